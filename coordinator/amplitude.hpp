@@ -1,0 +1,14 @@
+/// Smooth amplitudes of tools and loads.
+#pragma once
+
+#include <algorithm>
+
+namespace interply::coordinator {
+
+/// 0 to 1 over s in [0, 1] with zero first and second derivatives at both ends: s^3 (10 - 15 s + 6 s^2).
+inline double smooth_step(double s) {
+  s = std::clamp(s, 0.0, 1.0);
+  return s * s * s * (10 + s * (-15 + 6 * s));
+}
+
+}  // namespace interply::coordinator

@@ -1,0 +1,56 @@
+/// The energy balance of the whole run from terms that every participant accumulated by itself (MECHANICS 3).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "coordinator/blank_holder.hpp"
+#include "coordinator/stack.hpp"
+#include "exchange/link.hpp"
+
+namespace interply::coordinator {
+
+/// What the coordinator's own participants hold at one step.
+struct CoordinatorEnergies {
+  std::vector<contact::InterfaceEnergies> interfaces;
+  BodyEnergies blank_holder;
+  double punch_work = 0;  ///< done by the punch on the laminate, mJ
+};
+
+/// All energies of one step, mJ.
+struct EnergyBalance {
+  double kinetic = 0, internal = 0, contact = 0, friction = 0, damping = 0, thinning = 0, external = 0;
+  std::vector<double> layer_kinetic, layer_internal, layer_residual, interface_residual;
+
+  double residual() const { return kinetic + internal + contact + friction + damping - thinning - external; }
+  /// What a residual is measured against: the work that went in, wherever it is now.
+  double scale() const {
+    return std::max({std::abs(external), kinetic + internal + contact + friction + damping, 1e-300});
+  }
+};
+
+inline EnergyBalance assemble_balance(const std::vector<exchange::LayerEnergies>& layers,
+                                      const CoordinatorEnergies& own) {
+  EnergyBalance b;
+  for (const exchange::LayerEnergies& e : layers) {
+    b.kinetic += e.kinetic;
+    b.internal += e.internal;
+    b.layer_kinetic.push_back(e.kinetic);
+    b.layer_internal.push_back(e.internal);
+    b.layer_residual.push_back(e.kinetic + e.internal - e.contact_work);
+  }
+  for (const contact::InterfaceEnergies& e : own.interfaces) {
+    b.contact += e.stored;
+    b.friction += e.friction;
+    b.damping += e.damping;
+    b.thinning += e.thinning;
+    b.interface_residual.push_back(e.residual());
+  }
+  b.kinetic += own.blank_holder.kinetic;
+  b.damping += own.blank_holder.damping;
+  b.external = own.punch_work + own.blank_holder.load;
+  return b;
+}
+
+}  // namespace interply::coordinator

@@ -1,0 +1,101 @@
+#include "coordinator/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "coordinator/coordinator.hpp"
+
+namespace interply::coordinator {
+
+namespace {
+
+/// Inward displacement of the edge of layer `i` where it crosses the axes, mm: -x, +x, +y.
+struct DrawIn {
+  double minus_x = 0, plus_x = 0, plus_y = 0;
+};
+
+DrawIn measure_draw_in(const LayerSlot& slot) {
+  const auto& reference = slot.mesh.reference;
+  const auto& position = slot.geometry.position;
+  const double x_max = reference.row(0).maxCoeff(), y_max = reference.row(1).maxCoeff();
+  int ends[3] = {0, 0, 0};  // nodes nearest to (-x, 0), (+x, 0), (0, +y)
+  double nearest[3] = {1e300, 1e300, 1e300};
+  const double targets[3][2] = {{-x_max, 0}, {x_max, 0}, {0, y_max}};
+  for (int node = 0; node < reference.cols(); ++node)
+    for (int k = 0; k < 3; ++k) {
+      const double d = std::hypot(reference(0, node) - targets[k][0], reference(1, node) - targets[k][1]);
+      if (d < nearest[k]) {
+        nearest[k] = d;
+        ends[k] = node;
+      }
+    }
+  return {.minus_x = position(0, ends[0]) - reference(0, ends[0]),
+          .plus_x = reference(0, ends[1]) - position(0, ends[1]),
+          .plus_y = reference(1, ends[2]) - position(1, ends[2])};
+}
+
+std::string format_time(double seconds) {
+  const long s = std::lround(seconds);
+  return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+std::string format_progress(const Progress& p) {
+  std::string line = fmt::format(
+      "stroke {:5.1f} mm  step {:>7}  t {:.3f}/{:.3f} ms  dt {:.2e} s  punch {:.2f} kN  "
+      "energy residual {:+.3f} %",
+      p.stroke, p.step, 1e3 * p.time, 1e3 * p.end_time, p.dt, 1e-3 * p.punch_force, 100 * p.residual);
+  if (p.seconds_left >= 0) line += "  left " + format_time(p.seconds_left);
+  if (!p.waiting_for.empty()) line += "  waiting for " + p.waiting_for;
+  return line;
+}
+
+std::string format_summary(const scene::Scene& scene, const Forming& forming, const EnergyBalance& end,
+                           const std::vector<exchange::Final>& finals, double seconds) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  const Pace& pace = forming.pace();
+  std::int64_t elements = 0;
+  for (int i = 0; i < forming.stack().n_layers(); ++i) elements += forming.stack().layer(i).mesh.n_elements();
+  fmt::format_to(out, "{}: {:.1f} mm stroke, {:.2f} ms, {} steps, {} ({:.2f} M element-steps/s)\n", scene.name,
+                 forming.stroke(), 1e3 * pace.time(), pace.step(), format_time(seconds),
+                 1e-6 * static_cast<double>(elements * pace.step()) / seconds);
+  for (std::size_t i = 0; i < finals.size(); ++i) {
+    const scene::Layer& layer = scene.layers[i];
+    fmt::format_to(out, "  {:<12} {:<6}", layer.name, layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
+    for (const exchange::SummaryItem& item : finals[i].summary)
+      fmt::format_to(out, "  {} {:.4g}{}{}", item.name, item.value, item.unit == "1" || item.unit.empty() ? "" : " ",
+                     item.unit == "1" ? "" : item.unit);
+    const DrawIn d = measure_draw_in(forming.stack().layer(static_cast<int>(i)));
+    fmt::format_to(out, "  draw-in -x {:.2f} +x {:.2f} +y {:.2f} mm\n", d.minus_x, d.plus_x, d.plus_y);
+  }
+  const char* part = scene.blank.half ? "half model" : "full model";
+  if (forming.stack().punch())
+    fmt::format_to(out, "  punch force {:.3f} kN ({})\n", 1e-3 * forming.punch_force(), part);
+  fmt::format_to(out,
+                 "  blank-holder force {:.3f} kN ({}), target {:.3f} kN; after the ramp: mean {:+.2f} %, largest "
+                 "deviation {:.2f} %\n",
+                 1e-3 * forming.holder_force(), part, 1e-3 * forming.holder().target(),
+                 100 * (forming.holder_mean() / forming.holder().target() - 1), 100 * forming.holder_deviation());
+  fmt::format_to(out,
+                 "  energy (mJ): external {:.5g} + thinning {:.3g} = internal {:.5g} + kinetic {:.3g} + contact {:.3g} "
+                 "+ friction {:.5g} + damping {:.3g}; residual {:.3g} % (largest {:.3g} %)\n",
+                 end.external, end.thinning, end.internal, end.kinetic, end.contact, end.friction, end.damping,
+                 100 * end.residual() / end.scale(), 100 * forming.largest_residual());
+  std::string ratios;
+  for (std::size_t i = 0; i < end.layer_kinetic.size(); ++i)
+    ratios += fmt::format(" {} {:.2g} %", scene.layers[i].name,
+                          100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], 1e-300));
+  fmt::format_to(out, "  kinetic/internal energy:{}\n", ratios);
+  if (scene.record.frames > 0)
+    fmt::format_to(out,
+                   "  penetration over all frames: 99 % of the contact area below {:.2f} %, peak {:.2f} % of the "
+                   "thinner layer\n",
+                   100 * forming.penetration().percentile_99, 100 * forming.penetration().peak);
+  return text;
+}
+
+}  // namespace interply::coordinator

@@ -1,0 +1,225 @@
+#include "coordinator/stack.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "coordinator/coordinator.hpp"
+#include "solve/layer_mechanics.hpp"
+
+namespace interply::coordinator {
+
+using mechanics::Scalars;
+
+namespace {
+
+constexpr int kTool = -1;
+
+bool is_tool(const std::string& name) { return name == "die" || name == "punch" || name == "blank_holder"; }
+
+}  // namespace
+
+double find_friction(const scene::Scene& scene, const std::string& first, const std::string& second) {
+  const scene::Contact& c = scene.contact;
+  for (const scene::PairFriction& pair : c.pairs)
+    if ((pair.first == first && pair.second == second) || (pair.first == second && pair.second == first))
+      return pair.coefficient;
+  const auto is_fabric = [&](const std::string& name) {
+    return std::any_of(scene.layers.begin(), scene.layers.end(),
+                       [&](auto& l) { return l.name == name && l.kind() == scene::Kind::Fabric; });
+  };
+  const int fabrics = is_fabric(first) + is_fabric(second);
+  if (is_tool(first) || is_tool(second)) return fabrics ? c.tool_fabric : c.tool_steel;
+  return fabrics == 2 ? c.fabric_fabric : fabrics == 1 ? c.steel_fabric : c.steel_steel;
+}
+
+std::vector<InterfaceName> name_interfaces(const scene::Scene& scene) {
+  std::vector<InterfaceName> names;
+  const auto& layers = scene.layers;
+  names.push_back({"die|" + layers.front().name, layers.front().name});
+  for (std::size_t i = 0; i + 1 < layers.size(); ++i)
+    names.push_back({layers[i].name + "|" + layers[i + 1].name, layers[i].name});
+  names.push_back({layers.back().name + "|blank_holder", layers.back().name});
+  if (scene.tools.punch) names.push_back({layers.back().name + "|punch", layers.back().name});
+  return names;
+}
+
+Stack::Stack(const scene::Scene& scene) : scene_(scene), layers_(scene.layers.size()) {
+  double height = 0;
+  for (int i = 0; i < n_layers(); ++i) {
+    const scene::Layer& layer = scene.layers[static_cast<std::size_t>(i)];
+    LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
+    slot.mesh = solve::make_layer_mesh(scene, i);
+    contact::LayerGeometry& g = slot.geometry;
+    g.mesh = &slot.mesh;
+    g.position = slot.mesh.reference;
+    g.increment = g.normal = mechanics::NodalVectors::Zero(3, slot.mesh.n_nodes());
+    g.half_thickness = Scalars::Constant(slot.mesh.n_nodes(), 0.5 * layer.thickness);
+    g.mass = mechanics::compute_lumped_mass(slot.mesh, layer.thickness, layer.density * scene.time.mass_scaling);
+    slot.normals = std::make_unique<contact::VertexNormals>(slot.mesh);
+    slot.normals->compute(g.position, g.normal);
+    mass_ += g.mass.sum();
+    height += layer.thickness;
+  }
+
+  const scene::Tools& tools = scene.tools;
+  const double part = scene.blank.half ? 0.5 : 1.0;
+  flange_area_ =
+      part * (scene.blank.length * scene.blank.width -
+              contact::compute_opening_area(tools.blank_holder.opening.edge, tools.blank_holder.opening.offset,
+                                            tools.blank_holder.opening.shoulder));
+  const auto plate = [](const scene::Opening& o, bool faces_up) {
+    return std::make_unique<contact::OpeningPlate>(o.edge, o.offset, o.shoulder, faces_up);
+  };
+  die_tool_.name = "die";
+  die_tool_.shape = plate(tools.die, true);
+  blank_holder_tool_.name = "blank_holder";
+  blank_holder_tool_.shape = plate(tools.blank_holder.opening, false);
+  blank_holder_tool_.z = height;
+  const int top = n_layers() - 1;
+  const std::string &first = scene.layers.front().name, &last = scene.layers.back().name;
+  die_ = std::make_unique<contact::ToolInterface>(make_law(kTool, 0, find_friction(scene, "die", first)),
+                                                  layer(0).geometry, die_tool_);
+  for (int i = 0; i < top; ++i) {
+    const double friction = find_friction(scene, scene.layers[static_cast<std::size_t>(i)].name,
+                                          scene.layers[static_cast<std::size_t>(i) + 1].name);
+    between_.push_back(std::make_unique<contact::LayerInterface>(make_law(i, i + 1, friction), layer(i).geometry,
+                                                                 layer(i + 1).geometry));
+  }
+  blank_holder_ = std::make_unique<contact::ToolInterface>(
+      make_law(top, kTool, find_friction(scene, last, "blank_holder")), layer(top).geometry, blank_holder_tool_);
+  if (tools.punch) {
+    punch_tool_.name = "punch";
+    punch_tool_.shape =
+        std::make_unique<contact::PyramidPunch>(tools.punch->edge, tools.punch->height, tools.punch->radius);
+    punch_tool_.z = punch_start_ = height;
+    punch_ = std::make_unique<contact::ToolInterface>(make_law(top, kTool, find_friction(scene, last, "punch")),
+                                                      layer(top).geometry, punch_tool_);
+  }
+
+  double compliance = 0;  // of all interfaces in series
+  for (int i = 0; i <= top + 1; ++i)
+    compliance += 1 / make_law(i == 0 ? kTool : i - 1, i == top + 1 ? kTool : i, 0).stiffness;
+  stiffness_ = flange_area_ / compliance;
+}
+
+contact::InterfaceLaw Stack::make_law(int lower, int upper, double friction) const {
+  double thickness = std::numeric_limits<double>::infinity();
+  double mass[2] = {thickness, thickness};  // per area; a tool is infinitely heavy
+  for (int side = 0; side < 2; ++side) {
+    const int i = side == 0 ? lower : upper;
+    if (i == kTool) continue;
+    const scene::Layer& l = scene_.layers[static_cast<std::size_t>(i)];
+    thickness = std::min(thickness, l.thickness);
+    mass[side] = l.density * scene_.time.mass_scaling * l.thickness;
+  }
+  const scene::Contact& c = scene_.contact;
+  const double stiffness = contact::compute_stiffness(c.reference_pressure, c.penetration, thickness);
+  return {.stiffness = stiffness,
+          .tangential = c.tangential_stiffness * stiffness,
+          .damping = contact::compute_damping(c.damping, stiffness, mass[0], mass[1]),
+          .friction = friction};
+}
+
+void Stack::move_tools(double punch_travel, double blank_holder_increment) {
+  blank_holder_tool_.increment = blank_holder_increment;
+  blank_holder_tool_.z += blank_holder_increment;
+  const double z = punch_start_ - punch_travel;
+  punch_tool_.increment = z - punch_tool_.z;
+  punch_tool_.z = z;
+}
+
+void Stack::begin_step() {
+  for (LayerSlot& slot : layers_) slot.is_here = slot.is_answered = false;
+}
+
+void Stack::accept(int i, const exchange::Motion& motion, double dt) {
+  LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
+  contact::LayerGeometry& g = slot.geometry;
+  g.increment = motion.position - g.position;
+  g.position = motion.position;
+  if (motion.thickness.size() > 0) g.half_thickness = 0.5 * motion.thickness;
+  slot.normals->compute(g.position, g.normal);
+  slot.vote = motion.vote;
+  slot.is_here = true;
+  update_interfaces_of(i, dt);
+}
+
+void Stack::update_interfaces_of(int i, double dt) {
+  const int top = n_layers() - 1;
+  if (i == 0) die_->update(dt);
+  if (i > 0 && layer(i - 1).is_here) between_[static_cast<std::size_t>(i) - 1]->update(dt);
+  if (i < top && layer(i + 1).is_here) between_[static_cast<std::size_t>(i)]->update(dt);
+  if (i == top) {
+    blank_holder_->update(dt);
+    if (punch_) punch_->update(dt);
+  }
+}
+
+bool Stack::can_answer(int i) const {
+  const int top = n_layers() - 1;
+  return layer(i).is_here && !layer(i).is_answered && (i == 0 || layer(i - 1).is_here) &&
+         (i == top || layer(i + 1).is_here);
+}
+
+void Stack::answer(int i, mechanics::NodalVectors& force) {
+  const auto below = static_cast<std::size_t>(i) - 1, above = static_cast<std::size_t>(i);
+  force = i == 0 ? die_->force_on_layer() : between_[below]->force_on_upper();
+  if (i < n_layers() - 1) {
+    force += between_[above]->force_on_lower();
+  } else {
+    force += blank_holder_->force_on_layer();
+    if (punch_) force += punch_->force_on_layer();
+  }
+  layers_[above].is_answered = true;
+}
+
+bool Stack::is_step_complete() const {
+  return std::all_of(layers_.begin(), layers_.end(), [](const LayerSlot& s) { return s.is_here; });
+}
+
+std::vector<Vote> Stack::collect_votes() const {
+  // The blank holder moves: scaling its degree of freedom by 0.3 in the row sums leaves 1.3 k/m at the nodes and
+  // (1 + 1/0.3) K/M for itself.
+  constexpr double kScale = 0.3;
+  std::vector<Scalars> rates;
+  for (const LayerSlot& slot : layers_) rates.push_back(Scalars::Zero(slot.mesh.n_nodes()));
+  Scalars under_holder = Scalars::Zero(rates.back().size());
+  blank_holder_->add_rates_to(under_holder);
+  rates.back() += (1 + kScale) * under_holder;
+  if (punch_) punch_->add_rates_to(rates.back());
+  die_->add_rates_to(rates.front());
+  for (std::size_t i = 0; i < between_.size(); ++i) between_[i]->add_rates_to(rates[i], rates[i + 1]);
+  const double damping = compute_damping_factor(scene_.contact.damping);
+  const double holder_mass = scene_.tools.blank_holder.mass_ratio * mass_;
+  std::vector<Vote> votes;
+  for (int i = 0; i < n_layers(); ++i) {
+    double rate = rates[static_cast<std::size_t>(i)].maxCoeff();
+    if (i == n_layers() - 1) rate = std::max(rate, (1 + 1 / kScale) * blank_holder_->total_stiffness() / holder_mass);
+    votes.push_back({.increment = layer(i).vote, .contact_rate = damping * rate});
+  }
+  return votes;
+}
+
+const contact::Points& Stack::points(int interface) const {
+  const int n = n_layers();
+  if (interface == 0) return die_->points();
+  if (interface < n) return between_[static_cast<std::size_t>(interface) - 1]->points();
+  return interface == n ? blank_holder_->points() : punch_->points();
+}
+
+const contact::InterfaceEnergies& Stack::energies(int interface) const {
+  const int n = n_layers();
+  if (interface == 0) return die_->energies();
+  if (interface < n) return between_[static_cast<std::size_t>(interface) - 1]->energies();
+  return interface == n ? blank_holder_->energies() : punch_->energies();
+}
+
+double Stack::thinner(int interface) const {
+  const auto thickness = [&](int i) { return scene_.layers[static_cast<std::size_t>(i)].thickness; };
+  const int n = n_layers();
+  if (interface == 0) return thickness(0);
+  if (interface >= n) return thickness(n - 1);
+  return std::min(thickness(interface - 1), thickness(interface));
+}
+
+}  // namespace interply::coordinator

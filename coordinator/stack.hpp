@@ -1,0 +1,82 @@
+/// The laminate between its tools as the coordinator sees it: geometry of every layer, contact between neighbours,
+/// tools.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/layer_interface.hpp"
+#include "contact/normals.hpp"
+#include "contact/tool_interface.hpp"
+#include "coordinator/blank_holder.hpp"
+#include "coordinator/pace.hpp"
+#include "exchange/link.hpp"
+#include "scene/scene.hpp"
+
+namespace interply::coordinator {
+
+/// One layer: what contact needs of it, and the force that contact returns to it.
+struct LayerSlot {
+  mechanics::TriangleMesh mesh;
+  contact::LayerGeometry geometry;
+  std::unique_ptr<contact::VertexNormals> normals;
+  double vote = 0;           ///< latest stable increment of the layer alone, s
+  bool is_here = false;      ///< its motion of this step has arrived
+  bool is_answered = false;  ///< its force of this step has been handed out
+};
+
+/// Interface i couples layer i - 1 (or the die, i = 0) to layer i (or the tools above the top layer).
+class Stack {
+ public:
+  explicit Stack(const scene::Scene& scene);
+  Stack(const Stack&) = delete;
+  Stack& operator=(const Stack&) = delete;
+
+  int n_layers() const { return static_cast<int>(layers_.size()); }
+  const LayerSlot& layer(int i) const { return layers_[static_cast<std::size_t>(i)]; }
+
+  /// Tools to t(n). @param punch_travel  downwards since the start, mm   @param blank_holder_increment  mm
+  void move_tools(double punch_travel, double blank_holder_increment);
+  /// Nobody has arrived yet at this step.
+  void begin_step();
+  /// Takes the motion of layer i and computes every interface that now has both partners.
+  void accept(int i, const exchange::Motion& motion, double dt);
+  /// Layer i's faces are both done and it has not been answered yet.
+  bool can_answer(int i) const;
+  /// Sum of the contact forces on layer i, its lower face first, N; marks it answered.
+  void answer(int i, mechanics::NodalVectors& force);
+  bool is_step_complete() const;
+
+  /// Largest row sum of M^-1 K of the contact of each layer with its own vote. @param damping_factor  Pace
+  std::vector<Vote> collect_votes() const;
+
+  /// All interfaces in the order of name_interfaces(): die, between layers upwards, blank holder, punch.
+  int n_interfaces() const { return n_layers() + 1 + (punch_ ? 1 : 0); }
+  const contact::Points& points(int interface) const;
+  const contact::InterfaceEnergies& energies(int interface) const;
+  /// Thickness of the thinner partner, mm.
+  double thinner(int interface) const;
+
+  const contact::Tool& die() const { return die_tool_; }
+  const contact::Tool& blank_holder() const { return blank_holder_tool_; }
+  const contact::Tool* punch() const { return punch_tool_.shape ? &punch_tool_ : nullptr; }
+  double flange_area() const { return flange_area_; }  ///< modelled part, mm2
+  double mass() const { return mass_; }                ///< of the modelled laminate, with mass scaling, t
+  double stiffness() const { return stiffness_; }      ///< of all interfaces in series under the flange, N/mm
+
+ private:
+  contact::InterfaceLaw make_law(int lower, int upper, double friction) const;
+  void update_interfaces_of(int i, double dt);
+
+  const scene::Scene& scene_;
+  std::vector<LayerSlot> layers_;
+  contact::Tool die_tool_, blank_holder_tool_, punch_tool_;
+  std::unique_ptr<contact::ToolInterface> die_, blank_holder_, punch_;
+  std::vector<std::unique_ptr<contact::LayerInterface>> between_;  ///< i: layers i and i + 1
+  double flange_area_ = 0, mass_ = 0, stiffness_ = 0, punch_start_ = 0;
+};
+
+/// Coulomb coefficient between two neighbours; tools are "die", "punch", "blank_holder".
+double find_friction(const scene::Scene& scene, const std::string& first, const std::string& second);
+
+}  // namespace interply::coordinator

@@ -1,0 +1,150 @@
+#include "coordinator/step.hpp"
+
+#include <fmt/format.h>
+
+#include "coordinator/amplitude.hpp"
+#include "coordinator/frames.hpp"
+#include "mechanics/failure.hpp"
+
+namespace interply::coordinator {
+
+Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink)
+    : scene_(scene),
+      link_(link),
+      sink_(sink),
+      stack_(scene),
+      pace_(scene),
+      holder_(scene.tools.blank_holder, stack_.flange_area(), scene.tools.blank_holder.mass_ratio * stack_.mass(),
+              stack_.stiffness()),
+      forces_(scene.layers.size()),
+      step_sums_(scene.layers.size(), 0.0),
+      wait_sums_(scene.layers.size(), 0.0) {
+  energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));
+}
+
+void Forming::begin_step() {
+  const double forming = (pace_.time() - scene_.tools.blank_holder.ramp) / scene_.motion.forming_time;
+  travel_ = scene_.motion.stroke * smooth_step(forming);
+  stack_.move_tools(travel_, holder_.drift(pace_.dt()));
+  stack_.begin_step();
+}
+
+bool Forming::take_motion(int who) {
+  const exchange::Motion& motion = link_.motion(who);
+  stack_.accept(who, motion, pace_.dt());
+  step_sums_[static_cast<std::size_t>(who)] += motion.step_seconds;
+  wait_sums_[static_cast<std::size_t>(who)] += motion.wait_seconds;
+  if (pace_.step() == 0) {  // nobody knows the first increment before all votes are in
+    if (!stack_.is_step_complete()) return true;
+    pace_.start(votes_ = stack_.collect_votes());
+  }
+  for (int i = 0; i < stack_.n_layers(); ++i)
+    if (stack_.can_answer(i)) answer(i);
+  return lost_ < 0;
+}
+
+void Forming::answer(int i) {
+  exchange::Force& force = forces_[static_cast<std::size_t>(i)];
+  force.step = pace_.step();
+  force.time = pace_.time();
+  force.next_dt = pace_.next_dt();
+  force.frame = pace_.frame();
+  force.last = pace_.is_last();
+  stack_.answer(i, force.force);
+  if (!link_.send(i, force)) lost_ = i;
+}
+
+void Forming::finish_step() {
+  check_balance();  // of step n - 1, whose layer energies came with the motions of step n
+  holder_.kick(pace_.time(), holder_force(), pace_.dt(), pace_.next_dt());
+  if (stack_.punch()) energies_.punch_work -= 0.5 * (old_punch_force_ + punch_force()) * stack_.punch()->increment;
+  old_punch_force_ = punch_force();
+  for (int k = 0; k < stack_.n_interfaces(); ++k)
+    energies_.interfaces[static_cast<std::size_t>(k)] = stack_.energies(k);
+  energies_.blank_holder = holder_.energies();
+  measure();
+  if (pace_.frame() >= 0) publish_frame();
+  if (pace_.is_last()) return;
+  if (pace_.has_row()) put_history_row(balance_);
+  if (pace_.step() % scene_.time.vote_every == 0) votes_ = stack_.collect_votes();
+  pace_.advance(votes_);
+}
+
+void Forming::check_balance() {
+  constexpr double kNegligible = 1.0;  // mJ; below, a ratio of round-off says nothing
+  std::vector<exchange::LayerEnergies> layers;
+  for (int i = 0; i < stack_.n_layers(); ++i) layers.push_back(link_.motion(i).energies);
+  balance_ = assemble_balance(layers, energies_);
+  scale_ = std::max(scale_, balance_.scale());
+  residual_ = balance_.residual() / std::max(scale_, kNegligible);
+  largest_residual_ = std::max(largest_residual_, std::abs(residual_));
+  if (std::abs(residual_) <= scene_.time.energy_limit) return;
+  const auto worst = explain_residual(scene_, balance_);
+  throw mechanics::Divergence(fmt::format(
+      "energy residual {:.3g} % of {:.4g} mJ passed its limit {:.3g} % at step {}, time {:.6g} s: largest share {} "
+      "({:.3g} mJ); likely cure: a smaller time.safety, then a smaller contact.reference_pressure or a finer mesh",
+      100 * residual_, std::max(scale_, kNegligible), 100 * scene_.time.energy_limit, pace_.step() - 1, pace_.time(),
+      worst.name, worst.value));
+}
+
+void Forming::measure() {
+  own_step_sum_ += step_seconds;
+  own_wait_sum_ += wait_seconds;
+  ++steps_since_row_;
+  if (pace_.time() <= scene_.tools.blank_holder.ramp) return;
+  const double target = holder_.target();
+  holder_deviation_ = std::max(holder_deviation_, std::abs(holder_force() - target) / target);
+  holder_impulse_ += pace_.dt() * holder_force();
+  holder_time_ += pace_.dt();
+}
+
+void Forming::publish_frame() {
+  for (int k = 0; k < stack_.n_interfaces(); ++k) {
+    const contact::Penetration p = contact::measure_penetration(stack_.points(k));
+    penetration_.percentile_99 = std::max(penetration_.percentile_99, p.percentile_99 / stack_.thinner(k));
+    penetration_.peak = std::max(penetration_.peak, p.peak / stack_.thinner(k));
+  }
+  put_frames(scene_, stack_, pace_, sink_);
+}
+
+EnergyBalance Forming::balance_end(const std::vector<exchange::Final>& finals) const {
+  std::vector<exchange::LayerEnergies> layers;
+  for (const exchange::Final& f : finals) layers.push_back(f.energies);
+  return assemble_balance(layers, energies_);
+}
+
+void Forming::put_history_row(const EnergyBalance& b) {
+  const double steps = static_cast<double>(std::max<std::int64_t>(steps_since_row_, 1));
+  observe::HistoryRow row{.step = pace_.step(), .time = pace_.time(), .dt = pace_.dt(), .stroke = travel_};
+  row.kinetic = b.kinetic;
+  row.internal = b.internal;
+  row.contact = b.contact;
+  row.friction = b.friction;
+  row.damping = b.damping;
+  row.thinning = b.thinning;
+  row.external = b.external;
+  row.residual = residual_;
+  row.punch_force = punch_force();
+  row.blank_holder_force = holder_force();
+  row.blank_holder_target = holder_.target();
+  for (int k = 0; k < stack_.n_interfaces(); ++k)
+    row.peak_penetration =
+        std::max(row.peak_penetration, contact::measure_penetration(stack_.points(k)).peak / stack_.thinner(k));
+  row.contact_vote = std::numeric_limits<double>::infinity();
+  for (const Vote& vote : votes_) {
+    row.votes.push_back(vote.increment);
+    row.contact_vote = std::min(row.contact_vote, 2 / std::sqrt(vote.contact_rate));
+  }
+  row.layer_kinetic = b.layer_kinetic;
+  row.layer_internal = b.layer_internal;
+  row.layer_residual = b.layer_residual;
+  row.interface_residual = b.interface_residual;
+  for (double& s : step_sums_) row.step_seconds.push_back(std::exchange(s, 0.0) / steps);
+  for (double& s : wait_sums_) row.wait_seconds.push_back(std::exchange(s, 0.0) / steps);
+  row.coordinator_step_seconds = std::exchange(own_step_sum_, 0.0) / steps;
+  row.coordinator_wait_seconds = std::exchange(own_wait_sum_, 0.0) / steps;
+  steps_since_row_ = 0;
+  sink_.put(row);
+}
+
+}  // namespace interply::coordinator

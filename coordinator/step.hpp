@@ -1,0 +1,75 @@
+/// One step of the laminate: tools move, motions arrive, interfaces are computed as soon as both partners are there,
+/// forces leave as soon as both faces are done, books and votes close the step.
+#pragma once
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "coordinator/coordinator.hpp"
+#include "coordinator/energy_balance.hpp"
+#include "coordinator/pace.hpp"
+#include "coordinator/stack.hpp"
+
+namespace interply::coordinator {
+
+class Forming {
+ public:
+  Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink);
+
+  void begin_step();
+  /// Motion of layer `who` has arrived. False if an answer could not be delivered (`lost()` says whose).
+  bool take_motion(int who);
+  bool is_step_complete() const { return stack_.is_step_complete(); }
+  /// Closes step n and goes on to n + 1 unless it was the last.
+  /// @throws mechanics::Divergence if the energy residual has passed its limit
+  void finish_step();
+
+  /// Energies of the final state, once every layer has sent its Final.
+  EnergyBalance balance_end(const std::vector<exchange::Final>& finals) const;
+  void put_history_row(const EnergyBalance& balance);
+
+  const Pace& pace() const { return pace_; }
+  const Stack& stack() const { return stack_; }
+  const EnergyBalance& balance() const { return balance_; }  ///< of the last step with known layer energies
+  double residual() const { return residual_; }              ///< residual / scale, the same step
+  double largest_residual() const { return largest_residual_; }
+  int lost() const { return lost_; }
+  double stroke() const { return travel_; }
+  double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }
+  double holder_force() const { return stack_.blank_holder().force.z(); }
+  const BlankHolder& holder() const { return holder_; }
+  /// Largest over the frames so far: penetration / thickness of the thinner partner, 99 % of the area and peak.
+  const contact::Penetration& penetration() const { return penetration_; }
+  /// Largest deviation of the blank-holder force from its target after the ramp, / target; and of its mean.
+  double holder_deviation() const { return holder_deviation_; }
+  double holder_mean() const { return holder_time_ > 0 ? holder_impulse_ / holder_time_ : holder_force(); }
+
+  double step_seconds = 0, wait_seconds = 0;  ///< wall time of the last step, set by the loop
+
+ private:
+  void answer(int i);
+  void check_balance();
+  void measure();
+  void publish_frame();
+
+  const scene::Scene& scene_;
+  exchange::CoordinatorLink& link_;
+  observe::Sink& sink_;
+  Stack stack_;
+  Pace pace_;
+  BlankHolder holder_;
+  std::vector<Vote> votes_;
+  std::vector<exchange::Force> forces_;
+  CoordinatorEnergies energies_;  ///< at step n - 1 until finish_step()
+  EnergyBalance balance_;
+  double travel_ = 0, old_punch_force_ = 0, residual_ = 0, largest_residual_ = 0, scale_ = 0;
+  double holder_deviation_ = 0, holder_impulse_ = 0, holder_time_ = 0;
+  contact::Penetration penetration_;
+  std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s
+  double own_step_sum_ = 0, own_wait_sum_ = 0;
+  std::int64_t steps_since_row_ = 0;
+  int lost_ = -1;
+};
+
+}  // namespace interply::coordinator

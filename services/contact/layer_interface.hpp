@@ -1,0 +1,51 @@
+/// Contact between two neighbouring layers: the nodes of the lower one against the triangles of the upper one.
+#pragma once
+
+#include <vector>
+
+#include "contact/pairing.hpp"
+#include "contact/points.hpp"
+#include "mechanics/mesh.hpp"
+
+namespace interply::contact {
+
+/// What contact needs to know of one layer at one instant.
+struct LayerGeometry {
+  const mechanics::TriangleMesh* mesh = nullptr;
+  NodalVectors position;   ///< x(n)                        [3 x n_nodes] mm
+  NodalVectors increment;  ///< x(n) - x(n - 1)             [3 x n_nodes] mm
+  NodalVectors normal;     ///< averaged vertex normals, up [3 x n_nodes]
+  Scalars half_thickness;  ///< current                     [n_nodes]     mm
+  Scalars mass;            ///< lumped                      [n_nodes]     t
+};
+
+class LayerInterface {
+ public:
+  /// Pairs every node of `lower` with the triangle of `upper` it faces. Both stay where they are for the whole run.
+  LayerInterface(const InterfaceLaw& law, const LayerGeometry& lower, const LayerGeometry& upper);
+
+  /// Advances all points to the layers' current positions and fills the forces on both faces.
+  /// @param dt  increment that led here, s; 0 for the initial state
+  void update(double dt);
+
+  /// For each node of both partners, the row sum of M^-1 K of all paired points, touching or not: an upper bound of
+  /// what contact adds to omega^2 there. Adds to `lower_rate` and `upper_rate`, 1/s2.
+  void add_rates_to(Scalars& lower_rate, Scalars& upper_rate) const;
+
+  const Points& points() const { return points_; }
+  const InterfaceEnergies& energies() const { return energies_; }
+  const NodalVectors& force_on_lower() const { return force_on_lower_; }  ///< [3 x n_nodes of lower] N
+  const NodalVectors& force_on_upper() const { return force_on_upper_; }  ///< [3 x n_nodes of upper] N
+
+ private:
+  InterfaceLaw law_;
+  const LayerGeometry& lower_;
+  const LayerGeometry& upper_;
+  Points points_;
+  std::vector<Facing> facing_;
+  NodalVectors force_on_lower_, force_on_upper_;
+  NodalVectors old_force_on_lower_, old_force_on_upper_;
+  InterfaceEnergies energies_;
+};
+
+}  // namespace interply::contact

@@ -1,0 +1,95 @@
+#include "contact/pairing.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace interply::contact {
+
+using mechanics::Vector3;
+
+Projection project(const Vector3& x, const Vector3& n, const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 u = b - a, v = c - a, r = x - a;
+  const Vector3 area = u.cross(v);
+  const double inv = 1 / n.dot(area);
+  Projection p;
+  p.weight[1] = n.dot(r.cross(v)) * inv;
+  p.weight[2] = n.dot(u.cross(r)) * inv;
+  p.weight[0] = 1 - p.weight[1] - p.weight[2];
+  p.distance = -r.dot(area) * inv;
+  return p;
+}
+
+namespace {
+
+int most_negative(const Projection& p) {
+  int k = 0;
+  if (p.weight[1] < p.weight[k]) k = 1;
+  if (p.weight[2] < p.weight[k]) k = 2;
+  return k;
+}
+
+Projection project_on(const mechanics::TriangleMesh& mesh, const mechanics::NodalVectors& y, const Vector3& x,
+                      const Vector3& n, int t) {
+  return project(x, n, mechanics::at(y, mesh.triangles(0, t)), mechanics::at(y, mesh.triangles(1, t)),
+                 mechanics::at(y, mesh.triangles(2, t)));
+}
+
+}  // namespace
+
+Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& y, const Vector3& x,
+                   const Vector3& normal, int triangle) {
+  constexpr double kOnSide = -1e-9;  // a node on a side stays with the triangle it has
+  constexpr int kLongestWalk = 64;
+  Facing facing{.triangle = triangle, .projection = project_on(partner, y, x, normal, triangle)};
+  int out = most_negative(facing.projection);
+  for (int walked = 0; facing.projection.weight[out] < kOnSide && walked < kLongestWalk; ++walked) {
+    const int next = partner.neighbours(out, facing.triangle);
+    if (next < 0) {  // try the other negative side before giving up: corners of the partner
+      int second = -1;
+      for (int k = 0; k < 3; ++k)
+        if (k != out && facing.projection.weight[k] < kOnSide && partner.neighbours(k, facing.triangle) >= 0)
+          second = k;
+      if (second < 0) break;
+      const int around = partner.neighbours(second, facing.triangle);
+      const Projection p = project_on(partner, y, x, normal, around);
+      if (p.weight[most_negative(p)] <= facing.projection.weight[out]) break;  // no better there
+      facing.triangle = around;
+      facing.projection = p;
+    } else {
+      facing.triangle = next;
+      facing.projection = project_on(partner, y, x, normal, next);
+    }
+    out = most_negative(facing.projection);
+  }
+  Projection& p = facing.projection;
+  const double beyond = -p.weight[out];
+  if (beyond > -kOnSide) {  // beyond the edge: hold on to it a little (PITFALLS 10)
+    facing.share = std::clamp(1 - beyond / kEdgeMargin, 0.0, 1.0);
+    double sum = 0;
+    for (double& w : p.weight) sum += (w = std::max(w, 0.0));
+    for (double& w : p.weight) w /= sum;
+  }
+  return facing;
+}
+
+int search_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& y, const Vector3& x,
+                  const Vector3& normal) {
+  int best = -1;
+  double best_weight = -std::numeric_limits<double>::infinity();
+  for (int t = 0; t < partner.n_elements(); ++t) {
+    const Vector3 a = mechanics::at(y, partner.triangles(0, t));
+    const Vector3 b = mechanics::at(y, partner.triangles(1, t));
+    const Vector3 c = mechanics::at(y, partner.triangles(2, t));
+    const double reach = (b - a).norm() + (c - a).norm();
+    if ((x - a).squaredNorm() > 4 * reach * reach && best >= 0) continue;
+    const Projection p = project(x, normal, a, b, c);
+    const double smallest = p.weight[most_negative(p)];
+    if (smallest > best_weight && std::abs(p.distance) <= reach) {
+      best_weight = smallest;
+      best = t;
+    }
+  }
+  return best;
+}
+
+}  // namespace interply::contact

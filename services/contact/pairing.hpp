@@ -1,0 +1,40 @@
+/// Which triangle of the partner a node faces: found once, then followed by walking to neighbours.
+#pragma once
+
+#include <vector>
+
+#include "mechanics/mesh.hpp"
+
+namespace interply::contact {
+
+/// Share of an element by which a node may leave the partner's edge and still be held (PITFALLS 10).
+inline constexpr double kEdgeMargin = 0.3;
+
+/// Projection of a point along a direction onto the plane of a triangle.
+struct Projection {
+  double weight[3] = {};  ///< barycentric, sum 1
+  double distance = 0;    ///< from the point along the direction, mm
+};
+
+/// @param x  point   @param n  unit direction   @param a, b, c  corners
+Projection project(const mechanics::Vector3& x, const mechanics::Vector3& n, const mechanics::Vector3& a,
+                   const mechanics::Vector3& b, const mechanics::Vector3& c);
+
+/// A node and the place it faces.
+struct Facing {
+  int triangle = -1;      ///< -1: faces nothing
+  Projection projection;  ///< weights clamped to the triangle if the node is beyond the partner's edge
+  double share = 1;       ///< 1 inside, falls to 0 at kEdgeMargin beyond the edge
+};
+
+/// Projects along the normal, starting at `triangle` and walking across the side with the most negative weight.
+/// Beyond the partner's edge the last triangle is kept (so that the node can come back) with share 0 if it is too far.
+Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
+                   const mechanics::Vector3& x, const mechanics::Vector3& normal, int triangle);
+
+/// The same by trying every triangle: the one whose smallest weight is largest (the first of equals), within one
+/// element of reach along the normal. For the start of a run and as the reference that walking must agree with.
+int search_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
+                  const mechanics::Vector3& x, const mechanics::Vector3& normal);
+
+}  // namespace interply::contact

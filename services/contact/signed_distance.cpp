@@ -1,0 +1,140 @@
+#include "contact/signed_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace interply::contact {
+
+Triangle2::Triangle2(double edge) {
+  const double r = edge / std::sqrt(3.0);
+  corners_ = {Vector2(r, 0), Vector2(-0.5 * r, 0.5 * edge), Vector2(-0.5 * r, -0.5 * edge)};
+}
+
+double Triangle2::distance(const Vector2& p, Vector2& gradient) const {
+  double nearest = std::numeric_limits<double>::infinity(), deepest = -nearest;
+  Vector2 away = Vector2::Zero(), face_normal = Vector2::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vector2 a = corners_[k], side = corners_[(k + 1) % 3] - a;
+    const Vector2 normal = Vector2(side.y(), -side.x()).normalized();
+    const double height = normal.dot(p - a);
+    if (height > deepest) {
+      deepest = height;
+      face_normal = normal;
+    }
+    const double t = std::clamp(side.dot(p - a) / side.squaredNorm(), 0.0, 1.0);
+    const Vector2 d = p - a - t * side;
+    if (d.squaredNorm() < nearest) {
+      nearest = d.squaredNorm();
+      away = d;
+    }
+  }
+  if (deepest <= 0) {
+    gradient = face_normal;
+    return deepest;
+  }
+  const double distance = std::sqrt(nearest);
+  gradient = away / distance;
+  return distance;
+}
+
+namespace {
+
+/// Vector from the nearest point of a flat convex polygon to p; only called for p above its plane.
+Vector3 from_polygon(const Vector3* corner, int n, const Vector3& normal, const Vector3& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  Vector3 away = Vector3::Zero();
+  bool inside = true;
+  for (int k = 0; k < n; ++k) {
+    const Vector3 a = corner[k], side = corner[(k + 1) % n] - a;
+    if (side.cross(p - a).dot(normal) >= 0) continue;
+    inside = false;
+    const double t = std::clamp(side.dot(p - a) / side.squaredNorm(), 0.0, 1.0);
+    const Vector3 d = p - a - t * side;
+    if (d.squaredNorm() < nearest) {
+      nearest = d.squaredNorm();
+      away = d;
+    }
+  }
+  return inside ? Vector3(normal.dot(p - corner[0]) * normal) : away;
+}
+
+}  // namespace
+
+PyramidPunch::PyramidPunch(double edge, double height, double radius) : radius_(radius) {
+  const auto flat = Triangle2(edge).corners();
+  const double base = radius + height;  // pyramid from the apex up to its base
+  const double top = base + 20 * edge;  // the prism is long enough to have no end
+  const Vector3 apex(0, 0, radius);
+  const auto lift = [&](int k, double z) { return Vector3(flat[k % 3].x(), flat[k % 3].y(), z); };
+  for (int k = 0; k < 3; ++k) {
+    Face& side = faces_[k];
+    side.n = 3;
+    side.corner = {apex, lift(k + 1, base), lift(k, base), Vector3::Zero()};
+    Face& wall = faces_[3 + k];
+    wall.n = 4;
+    wall.corner = {lift(k, base), lift(k + 1, base), lift(k + 1, top), lift(k, top)};
+  }
+  for (Face& face : faces_) {
+    face.normal = (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]).normalized();
+    const Vector3 inner(0, 0, base);
+    if (face.normal.dot(face.corner[0] - inner) < 0) {  // keep corners counter-clockwise seen from outside
+      std::reverse(face.corner.begin(), face.corner.begin() + face.n);
+      face.normal = -face.normal;
+    }
+  }
+}
+
+Distance PyramidPunch::evaluate(const Vector3& x) const {
+  double nearest = std::numeric_limits<double>::infinity(), deepest = -nearest;
+  Vector3 away = Vector3::Zero(), face_normal = Vector3::Zero();
+  for (const Face& face : faces_) {
+    const double height = face.normal.dot(x - face.corner[0]);
+    if (height > deepest) {
+      deepest = height;
+      face_normal = face.normal;
+    }
+    if (height <= 0) continue;
+    const Vector3 d = from_polygon(face.corner.data(), face.n, face.normal, x);
+    if (d.squaredNorm() < nearest) {
+      nearest = d.squaredNorm();
+      away = d;
+    }
+  }
+  if (deepest <= 0) return {deepest - radius_, face_normal};  // inside the sharp body: contact is lost anyway
+  const double distance = std::sqrt(nearest);
+  return {distance - radius_, away / distance};
+}
+
+OpeningPlate::OpeningPlate(double edge, double offset, double shoulder, bool faces_up)
+    : triangle_(edge), offset_(offset), shoulder_(shoulder), up_(faces_up ? 1.0 : -1.0) {}
+
+Distance OpeningPlate::evaluate(const Vector3& x) const {
+  Vector2 outward;  // horizontal, away from the opening's centre
+  const double s = triangle_.distance(Vector2(x.x(), x.y()), outward) - offset_;  // > 0 above the plate
+  const double h = up_ * x.z();                                                   // > 0 outside the plate
+  // rounded quadrant {s > 0, h < 0}: measured from the centre line of the shoulder at (r, -r)
+  const double p = shoulder_ - s, q = h + shoulder_;
+  Vector3 gradient;
+  double value;
+  if (p > 0 && q > 0) {
+    const double r = std::hypot(p, q);
+    value = r - shoulder_;
+    gradient << -p / r * outward, q / r * up_;
+  } else if (q >= p) {
+    value = h;
+    gradient << 0, 0, up_;
+  } else {
+    value = -s;
+    gradient << -outward, 0;
+  }
+  return {value, gradient};
+}
+
+double compute_opening_area(double edge, double offset, double shoulder) {
+  const double r = offset + shoulder;
+  return std::sqrt(3.0) / 4 * edge * edge + 3 * edge * r + std::numbers::pi * r * r;
+}
+
+}  // namespace interply::contact

@@ -1,0 +1,53 @@
+/// Contact of one layer with one rigid tool given as a signed distance field.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "contact/layer_interface.hpp"
+#include "contact/points.hpp"
+#include "contact/signed_distance.hpp"
+
+namespace interply::contact {
+
+/// A rigid tool that only moves vertically.
+struct Tool {
+  std::string name;
+  std::unique_ptr<SignedDistance> shape;
+  double z = 0;                     ///< height of the tool's reference point, mm
+  double increment = 0;             ///< z(n) - z(n - 1), mm
+  Vector3 force = Vector3::Zero();  ///< of the layers on the tool, N
+};
+
+class ToolInterface {
+ public:
+  ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool);
+
+  /// Advances all points and the force on the tool. Nodes that cannot have come near since their distance was last
+  /// evaluated (a distance field is 1-Lipschitz) are skipped. @param dt  as in LayerInterface
+  void update(double dt);
+
+  /// Row sum of M^-1 K of each node that is near the tool. Adds to `rate`, 1/s2.
+  void add_rates_to(Scalars& rate) const;
+  /// The same for the tool's own vertical degree of freedom: sum of stiffnesses, N/mm.
+  double total_stiffness() const;
+
+  const Points& points() const { return points_; }
+  const InterfaceEnergies& energies() const { return energies_; }
+  const NodalVectors& force_on_layer() const { return force_on_layer_; }  ///< [3 x n_nodes] N
+
+ private:
+  bool is_near(Eigen::Index i) const { return points_.gap(i) < near_; }
+
+  InterfaceLaw law_;
+  const LayerGeometry& layer_;
+  Tool& tool_;
+  Points points_;
+  Scalars slack_;  ///< path length that the node may still move relative to the tool before it can touch [n] mm
+  double near_;    ///< gap below which a node counts for the stable increment, mm
+  NodalVectors force_on_layer_, old_force_on_layer_;
+  Vector3 old_tool_force_ = Vector3::Zero();
+  InterfaceEnergies energies_;
+};
+
+}  // namespace interply::contact

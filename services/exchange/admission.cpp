@@ -1,0 +1,148 @@
+#include "exchange/admission.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace interply::exchange {
+
+namespace {
+
+constexpr std::size_t kLines = 200;  ///< refusals that are logged in one run
+
+/// Levenshtein distance.
+std::size_t compute_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// What a peer wrote, fit for a log line: short and printable.
+std::string quote(const std::string& text) {
+  std::string out = text.substr(0, 64);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return '"' + out + '"';
+}
+
+}  // namespace
+
+std::string describe(const Join& join) {
+  return fmt::format("{} (process {} on {})", join.layer, join.pid, join.host.empty() ? "this host" : join.host);
+}
+
+Admission::Admission(std::uint64_t scene_digest, std::vector<Expected> expected) : scene_digest_(scene_digest) {
+  for (Expected& e : expected) {
+    seats_.emplace_back();
+    seats_.back().expected = std::move(e);
+  }
+}
+
+std::int64_t Admission::largest_layer() const {
+  std::int64_t largest = 0;
+  for (const Seat& s : seats_) largest = std::max(largest, s.expected.n_nodes);
+  return largest;
+}
+
+std::string Admission::find_nearest(const std::string& layer) const {
+  const auto nearest = std::min_element(seats_.begin(), seats_.end(), [&](const Seat& a, const Seat& b) {
+    return compute_distance(layer, a.expected.layer) < compute_distance(layer, b.expected.layer);
+  });
+  return nearest == seats_.end() ? "" : nearest->expected.layer;
+}
+
+Admission::Verdict Admission::judge(const Join& join) {
+  const auto refuse = [&](const std::string& why) {
+    return Verdict{-1, fmt::format("layer {} may not join: {}", quote(join.layer), why)};
+  };
+  if (join.version != kVersion)
+    return refuse(fmt::format("it runs interply {}, the coordinator {}: start all processes from one build",
+                              quote(join.version), kVersion));
+  if (join.layer.size() > 256) return refuse("its name is longer than 256 characters");
+  const auto found =
+      std::find_if(seats_.begin(), seats_.end(), [&](const Seat& s) { return s.expected.layer == join.layer; });
+  if (found == seats_.end())
+    return refuse(fmt::format("the scene has no such layer, the nearest is {}", quote(find_nearest(join.layer))));
+  if (join.scene_digest != 0 && join.scene_digest != scene_digest_)
+    return refuse(
+        fmt::format("its scene has digest {:016x}, the coordinator's {:016x}: give all processes the same "
+                    "scene and overrides",
+                    join.scene_digest, scene_digest_));
+  if (found->stage != Stage::Awaited) return refuse(fmt::format("it has joined before as {}", describe(found->join)));
+  if (!closed_.empty()) return refuse(fmt::format("the run is stopping: {}", closed_));
+  found->join = join;
+  found->stage = Stage::Active;
+  return {static_cast<int>(found - seats_.begin()), ""};
+}
+
+std::string Admission::judge_motion(int who, std::int64_t step, std::int64_t n_nodes, std::int64_t n_thickness) {
+  Seat& s = seat(who);
+  if (s.stage != Stage::Active || s.last) return fmt::format("sent a motion of step {} after its end", step);
+  if (s.step >= 0 && !s.answered)
+    return fmt::format("sent a motion of step {} while its step {} is not answered", step, s.step);
+  const std::int64_t wanted = s.step >= 0 ? s.step + 1 : first_step_.value_or(step);
+  if (step != wanted || step < 0)
+    return fmt::format("sent a motion of step {}, expected was step {}", step, std::max<std::int64_t>(wanted, 0));
+  if (n_nodes != s.expected.n_nodes || (n_thickness != 0 && n_thickness != n_nodes))
+    return fmt::format("sent a motion of {} nodes and {} thicknesses, the scene gives it {} nodes", n_nodes,
+                       n_thickness, s.expected.n_nodes);
+  first_step_ = first_step_.value_or(step);
+  s.step = step;
+  s.answered = false;
+  return {};
+}
+
+std::string Admission::judge_final(int who) {
+  Seat& s = seat(who);
+  if (s.stage != Stage::Active) return "sent a final message after its end";
+  if (!s.last) return fmt::format("sent a final message before the last step, at step {}", s.step);
+  s.stage = Stage::Ended;
+  return {};
+}
+
+std::string Admission::judge_failure(int who) {
+  if (seat(who).stage != Stage::Active) return "sent a failure after its end";
+  seat(who).stage = Stage::Failed;
+  return {};
+}
+
+bool Admission::note_answer(int who, const Force& force) {
+  Seat& s = seat(who);
+  if (s.stage != Stage::Active) return false;
+  if (s.step < 0 || s.answered || force.step != s.step)
+    throw std::logic_error(fmt::format("answer of step {} to {}, whose last motion is step {}{}", force.step,
+                                       s.expected.layer, s.step, s.answered ? " and has its answer" : ""));
+  if (force.force.cols() != s.expected.n_nodes)
+    throw std::logic_error(fmt::format("answer with {} forces to {}, which has {} nodes", force.force.cols(),
+                                       s.expected.layer, s.expected.n_nodes));
+  s.answered = true;
+  s.last = force.last;
+  return true;
+}
+
+bool Admission::note_gone(int who) {
+  if (!is_active(who)) return false;
+  seat(who).stage = Stage::Lost;
+  return closed_.empty();
+}
+
+void Admission::close(const std::string& why) { closed_ = why.empty() ? "it is over" : why; }
+
+void RefusalLog::warn(const std::string& peer, const std::string& kind, const std::string& sentence) {
+  if (seen_.size() > kLines || !seen_.emplace(peer, kind).second) return;
+  spdlog::warn("{} {}; the message is refused, the run goes on", peer, sentence);
+  if (seen_.size() > kLines) spdlog::warn("{} messages were refused, further ones are not reported", kLines);
+}
+
+}  // namespace interply::exchange

@@ -1,0 +1,150 @@
+/// The lock-step link between a layer's process and the coordinator: one message per participant and direction per
+/// step. Implementations: in_process.hpp (queues in one process) and zeromq.hpp (ipc or tcp). Same calls, same bits.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "mechanics/nodal.hpp"
+
+namespace interply::exchange {
+
+/// Version that all participants of a run must share; also written into the record.
+inline constexpr const char* kVersion = "0.1.0";
+
+/// Energies of one layer at step n, mJ, accumulated from the start with the integrator's midpoint displacements.
+struct LayerEnergies {
+  double kinetic = 0;
+  double internal = 0;       ///< state function W (fabric) or stress work (metal)
+  double internal_work = 0;  ///< work done against the nodal internal forces
+  double contact_work = 0;   ///< work done on the layer by contact forces
+};
+
+struct Join {
+  std::string version = kVersion;
+  std::uint64_t scene_digest = 0;  ///< of the solver's own scene; 0: it has none and takes the coordinator's
+  std::string layer;
+  int pid = 0;
+  std::string host;
+};
+
+/// Coordinator -> solver, the answer to Join. A solver started by hand needs nothing else: address and layer name
+/// suffice. Both carriers are made with it: bind_zeromq(address, welcome, expected), InProcessHub(welcome, expected);
+/// its digest is what Join::scene_digest (unless 0) must equal.
+struct Welcome {
+  std::string scene_text;  ///< resolved scene (scene::Scene::text)
+  std::uint64_t scene_digest = 0;
+  std::string run;  ///< unique name of this run (DDS partition)
+};
+
+/// Solver -> coordinator, state after the drift to step n.
+struct Motion {
+  std::int64_t step = 0;
+  double vote = 0;                   ///< largest stable increment of this layer alone (no safety factor), s
+  LayerEnergies energies;            ///< at step n - 1, the last complete one
+  double step_seconds = 0;           ///< wall time of the last step
+  double wait_seconds = 0;           ///< of that, spent waiting for the coordinator
+  mechanics::NodalVectors position;  ///< x(n) [3 x n_nodes] mm
+  mechanics::Scalars thickness;      ///< nodal thickness; size 0: unchanged since the last message that held one
+};
+
+/// Coordinator -> solver, the answer to Motion(n).
+struct Force {
+  std::int64_t step = 0;
+  double time = 0;                ///< t(n), s
+  double next_dt = 0;             ///< increment from step n to n + 1, s; unused if `last`
+  int frame = -1;                 ///< number of the frame to publish of state n; -1: none
+  bool last = false;              ///< state n is final: send Final and leave
+  mechanics::NodalVectors force;  ///< contact force on the layer [3 x n_nodes] N
+};
+
+/// A named number of the one-screen summary.
+struct SummaryItem {
+  std::string name, unit;
+  double value = 0;
+};
+
+/// Solver -> coordinator, once, after Force.last.
+struct Final {
+  std::uint64_t digest = 0;  ///< of the layer's whole state
+  LayerEnergies energies;    ///< at the last step
+  std::vector<SummaryItem> summary;
+};
+
+/// Why a run ends before its time.
+enum class StopReason { Diverged, Lost, Cancelled };
+
+/// Thrown by a solver's link.
+class Refused : public std::runtime_error {  ///< the coordinator's sentence
+  using runtime_error::runtime_error;
+};
+class CoordinatorLost : public std::runtime_error {  ///< died or silent past the deadline
+  using runtime_error::runtime_error;
+};
+class Stopped : public std::runtime_error {  ///< the coordinator says stop
+ public:
+  Stopped(StopReason r, const std::string& why) : runtime_error(why), reason(r) {}
+  StopReason reason;
+};
+
+/// A solver's end.
+class SolverLink {
+ public:
+  virtual ~SolverLink() = default;
+  /// Connects and introduces the layer; returns when accepted.
+  /// @throws Refused, CoordinatorLost (after `deadline` s: names the address)
+  virtual Welcome join(const Join& join, double deadline) = 0;
+  virtual void send(const Motion& motion) = 0;
+  /// Waits for the answer to the last Motion, at most `deadline` s. Overwrites `force` without allocating once sized.
+  /// @throws Stopped, CoordinatorLost
+  virtual void receive(Force& force, double deadline) = 0;
+  virtual void send(const Final& final) = 0;
+  /// Says why this solver cannot go on (mechanics diverged), then waits briefly until it is delivered.
+  virtual void send_failure(const std::string& message) = 0;
+};
+
+/// What happened at the coordinator's end.
+struct Event {
+  enum class Kind {
+    None,      ///< timeout
+    Joined,    ///< participant `who` was accepted (all checks done by the link)
+    Moved,     ///< `motion(who)` holds a new Motion
+    Ended,     ///< `final` of participant `who` arrived
+    Failed,    ///< participant `who` diverged: `message`
+    Suspect,   ///< a connection was lost (whose is not known unless who >= 0): check who is silent
+    Cancelled  ///< interrupt: `message`
+  };
+  Kind kind = Kind::None;
+  int who = -1;  ///< index into Expected, -1 unknown
+  std::string message;
+  Final final;
+};
+
+/// Who may join: one entry per layer in scene order.
+struct Expected {
+  std::string layer;
+  std::int64_t n_nodes = 0;  ///< every Motion of this layer must hold so many nodes
+};
+
+/// The coordinator's end. Checks every message at the edge; a stranger, a duplicate, a wrong version, digest or layer
+/// and anything malformed is refused with one log line and does not disturb the run.
+class CoordinatorLink {
+ public:
+  virtual ~CoordinatorLink() = default;
+  /// Next event, or Kind::None after `timeout` s.
+  virtual Event receive(double timeout) = 0;
+  /// Last Motion of participant `who`; valid until its next Moved event.
+  virtual const Motion& motion(int who) const = 0;
+  virtual const Join& joined(int who) const = 0;
+  /// Answers participant `who`. False if it is gone.
+  virtual bool send(int who, const Force& force) = 0;
+  /// Tells everyone to stop.
+  virtual void stop(StopReason reason, const std::string& message) = 0;
+  /// Makes a pending or coming receive() return Cancelled. Callable from any thread (not from a signal handler).
+  virtual void cancel(const std::string& message) = 0;
+};
+
+}  // namespace interply::exchange

@@ -1,0 +1,348 @@
+#include "exchange/zeromq.hpp"
+
+#include <fmt/format.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "exchange/admission.hpp"
+#include "exchange/wire.hpp"
+#include "exchange/zeromq_socket.hpp"
+
+namespace interply::exchange {
+
+namespace {
+
+constexpr double kFailureDelivery = 2;  ///< s to wait until a failure has arrived
+
+class ZeromqSolver final : public SolverLink {
+ public:
+  explicit ZeromqSolver(const std::string& address) : address_(address) { socket_.connect(address); }
+
+  Welcome join(const Join& join, double deadline) override {
+    transmit(encoder_.encode(join));
+    Welcome welcome;
+    Refusal refusal;
+    switch (next(deadline)) {
+      case MessageKind::Welcome:
+        decoder_.read(welcome);
+        return welcome;
+      case MessageKind::Refusal:
+        decoder_.read(refusal);
+        throw Refused(refusal.sentence);
+      case MessageKind::Stop:
+        throw_stopped();
+      default:
+        throw CoordinatorLost(fmt::format("the coordinator at {} answered a join with something else", address_));
+    }
+  }
+
+  void send(const Motion& motion) override {
+    step_ = motion.step;
+    n_nodes_ = motion.position.cols();
+    transmit(encoder_.encode(motion));
+  }
+
+  void receive(Force& force, double deadline) override {
+    const MessageKind kind = next(deadline);
+    if (kind == MessageKind::Stop) throw_stopped();
+    if (kind != MessageKind::Force || decoder_.step() != step_ || decoder_.n_nodes() != n_nodes_)
+      throw CoordinatorLost(fmt::format("the coordinator at {} answered step {} with something else", address_, step_));
+    decoder_.read(force);
+  }
+
+  void send(const Final& final) override { transmit(encoder_.encode(final)); }
+
+  void send_failure(const std::string& message) override {
+    try {
+      transmit(encoder_.encode(Failure{message}));
+      const Deadline until(kFailureDelivery);
+      while (!until.passed()) {
+        const MessageKind kind = next(kFailureDelivery);
+        if (kind == MessageKind::Received || kind == MessageKind::Stop) return;
+      }
+    } catch (const CoordinatorLost&) {
+      // nobody is left to be told
+    }
+  }
+
+ private:
+  void transmit(Bytes frame) {
+    if (!socket_.send(frame))
+      throw CoordinatorLost(
+          fmt::format("cannot send to the coordinator at {} {}: {}", address_, where(), std::strerror(errno)));
+  }
+
+  /// Opens the next message. @throws CoordinatorLost
+  MessageKind next(double deadline) {
+    const Deadline until(deadline);
+    for (;;) {
+      note_news();
+      if (socket_.receive()) return open();
+      if (lost_)
+        throw CoordinatorLost(fmt::format("the coordinator at {} closed the connection {}", address_, where()));
+      if (until.passed())
+        throw CoordinatorLost(
+            fmt::format("no answer from the coordinator at {} for {:g} s {}", address_, deadline, where()));
+      socket_.wait(until);
+    }
+  }
+
+  MessageKind open() {
+    try {
+      return decoder_.open(socket_.frame());
+    } catch (const Malformed& malformed) {
+      throw CoordinatorLost(fmt::format("the coordinator at {} is not understood: {}", address_, malformed.what()));
+    }
+  }
+
+  /// A connection that once stood and ends is lost for good.
+  void note_news() {
+    while (const auto news = socket_.next_news()) {
+      if (news->connected)
+        connected_ = true;
+      else if (connected_)
+        lost_ = true;
+    }
+  }
+
+  [[noreturn]] void throw_stopped() const {
+    Stop stop;
+    decoder_.read(stop);
+    throw Stopped(stop.reason, stop.message);
+  }
+
+  std::string where() const { return step_ < 0 ? std::string("while joining") : fmt::format("at step {}", step_); }
+
+  const std::string address_;
+  ZeromqSocket socket_{ZeromqSocket::Type::Dealer};
+  bool connected_ = false, lost_ = false;
+  Encoder encoder_;
+  Decoder decoder_;
+  std::int64_t n_nodes_ = 0;
+  std::int64_t step_ = -1;
+};
+
+Event make_event(Event::Kind kind, int who, std::string message = {}) {
+  Event event;
+  event.kind = kind;
+  event.who = who;
+  event.message = std::move(message);
+  return event;
+}
+
+/// Wakes a thread that sleeps on a descriptor; ring() is for any thread.
+class Alarm {
+ public:
+  Alarm() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  }
+  ~Alarm() { ::close(descriptor_); }
+  Alarm(const Alarm&) = delete;
+  Alarm& operator=(const Alarm&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  void ring(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    message_ = message;
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof(one));  // fails only if it rings already
+  }
+  std::optional<std::string> take() {
+    std::uint64_t count;
+    if (::read(descriptor_, &count, sizeof(count)) < 0) return {};
+    const std::lock_guard lock(mutex_);
+    return message_;
+  }
+
+ private:
+  const int descriptor_;
+  std::mutex mutex_;
+  std::string message_;
+};
+
+class ZeromqCoordinator final : public CoordinatorLink {
+ public:
+  ZeromqCoordinator(const std::string& address, Welcome welcome, std::vector<Expected> expected)
+      : welcome_(std::move(welcome)),
+        admission_(welcome_.scene_digest, std::move(expected)),
+        peers_(static_cast<std::size_t>(admission_.size())) {
+    socket_.limit_messages(compute_frame_limit(admission_.largest_layer()));
+    socket_.bind(address);
+  }
+
+  Event receive(double timeout) override {
+    const Deadline until(timeout);
+    for (;;) {
+      if (auto message = alarm_.take()) return make_event(Event::Kind::Cancelled, -1, std::move(*message));
+      // A loss is told after all that the lost one still sent. Connections are looked at before each message because a
+      // descriptor may be used again.
+      while (note_news(), socket_.receive()) {
+        if (Event event = read_message(); event.kind != Event::Kind::None) return event;
+        if (until.passed()) break;
+      }
+      if (Event event = take_loss(); event.kind != Event::Kind::None) return event;
+      if (until.passed()) return {};
+      socket_.wait(until, alarm_.descriptor());
+    }
+  }
+
+  const Motion& motion(int who) const override { return peer(who).motion; }
+  const Join& joined(int who) const override { return admission_.join(who); }
+
+  bool send(int who, const Force& force) override {
+    if (!admission_.note_answer(who, force)) return false;
+    if (socket_.send(peer(who).identity, encoder_.encode(force))) return true;
+    peer(who).lost = true;
+    return false;
+  }
+
+  void stop(StopReason reason, const std::string& message) override {
+    admission_.close(message);
+    const Bytes frame = encoder_.encode(Stop{reason, message});
+    for (int who = 0; who < admission_.size(); ++who)
+      if (admission_.is_active(who)) socket_.send(peer(who).identity, frame);
+  }
+
+  void cancel(const std::string& message) override { alarm_.ring(message); }
+
+  std::string endpoint() const { return socket_.endpoint(); }
+
+ private:
+  struct Peer {
+    std::string identity;  ///< of its connection; empty: not joined
+    int descriptor = -1;   ///< of its connection, as the monitor will name it
+    bool lost = false;     ///< and not yet told
+    Motion motion;
+  };
+  Peer& peer(int who) { return peers_[static_cast<std::size_t>(who)]; }
+  const Peer& peer(int who) const { return peers_[static_cast<std::size_t>(who)]; }
+
+  void note_news() {
+    while (const auto news = socket_.next_news())
+      for (Peer& p : peers_)
+        if (p.descriptor >= 0 && p.descriptor == news->descriptor) {
+          p.lost = true;
+          p.descriptor = -1;
+        }
+  }
+
+  Event take_loss() {
+    for (int who = 0; who < admission_.size(); ++who)
+      if (std::exchange(peer(who).lost, false) && admission_.note_gone(who))
+        return make_event(Event::Kind::Suspect, who,
+                          fmt::format("the connection to {} was lost", describe(admission_.join(who))));
+    return {};
+  }
+
+  /// Reads the message that the socket has taken. None: it was refused.
+  Event read_message() {
+    const int who = find(socket_.identity());
+    if (!socket_.is_whole()) return refuse(who, "parts", "sent a message of several parts");
+    try {
+      const MessageKind kind = decoder_.open(socket_.frame());
+      if (kind == MessageKind::Join) return read_join(who);
+      if (who < 0) return refuse(who, "stranger", "sent a message without having joined");
+      return read_from(who, kind);
+    } catch (const Malformed& malformed) {
+      if (who < 0) socket_.send(socket_.identity(), encoder_.encode(Refusal{malformed.what()}));
+      return refuse(who, "malformed", fmt::format("sent a malformed message: {}", malformed.what()));
+    }
+  }
+
+  Event read_join(int known) {
+    Join join;
+    decoder_.read(join);
+    if (known >= 0) return refuse(known, "join", "sent a second join");
+    const std::string identity(socket_.identity());
+    const Admission::Verdict verdict = admission_.judge(join);
+    if (verdict.who < 0) {
+      socket_.send(identity, encoder_.encode(Refusal{verdict.refusal}));
+      return refuse(-1, verdict.refusal, fmt::format("sent a join: {}", verdict.refusal));
+    }
+    Peer& p = peer(verdict.who);
+    p.identity = identity;
+    p.descriptor = socket_.descriptor();
+    if (!socket_.send(identity, encoder_.encode(welcome_))) p.lost = true;
+    return make_event(Event::Kind::Joined, verdict.who);
+  }
+
+  Event read_from(int who, MessageKind kind) {
+    Event event;
+    event.who = who;
+    std::string refusal;
+    switch (kind) {
+      case MessageKind::Motion:
+        refusal = admission_.judge_motion(who, decoder_.step(), decoder_.n_nodes(), decoder_.n_thickness());
+        if (!refusal.empty()) return refuse(who, "motion", refusal);
+        decoder_.read(peer(who).motion);
+        event.kind = Event::Kind::Moved;
+        return event;
+      case MessageKind::Final:
+        refusal = admission_.judge_final(who);
+        if (!refusal.empty()) return refuse(who, "final", refusal);
+        decoder_.read(event.final);
+        event.kind = Event::Kind::Ended;
+        return event;
+      case MessageKind::Failure: {
+        refusal = admission_.judge_failure(who);
+        if (!refusal.empty()) return refuse(who, "failure", refusal);
+        Failure failure;
+        decoder_.read(failure);
+        socket_.send(peer(who).identity, encoder_.encode(Received{}));
+        event.kind = Event::Kind::Failed;
+        event.message = std::move(failure.message);
+        return event;
+      }
+      default:
+        return refuse(who, "direction", "sent a message that only a coordinator sends");
+    }
+  }
+
+  /// @returns Kind::None
+  Event refuse(int who, const std::string& kind, const std::string& sentence) {
+    const std::string name = who >= 0 ? describe(admission_.join(who)) : "a stranger at " + socket_.peer_address();
+    refusals_.warn(name, kind, sentence);
+    return {};
+  }
+
+  /// Participant of a connection, or -1.
+  int find(std::string_view identity) const {
+    for (std::size_t i = 0; i < peers_.size(); ++i)
+      if (peers_[i].identity == identity) return static_cast<int>(i);
+    return -1;
+  }
+
+  const Welcome welcome_;
+  Admission admission_;
+  RefusalLog refusals_;
+  std::vector<Peer> peers_;
+  Alarm alarm_;
+  ZeromqSocket socket_{ZeromqSocket::Type::Router};
+  Encoder encoder_;
+  Decoder decoder_;
+};
+
+}  // namespace
+
+std::unique_ptr<SolverLink> connect_zeromq(const std::string& address) {
+  return std::make_unique<ZeromqSolver>(address);
+}
+
+std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
+                                             std::vector<Expected> expected) {
+  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), std::move(expected));
+}
+
+std::string get_endpoint(const CoordinatorLink& link) {
+  return dynamic_cast<const ZeromqCoordinator&>(link).endpoint();
+}
+
+}  // namespace interply::exchange

@@ -1,0 +1,33 @@
+/// The link between processes over ZeroMQ: `ipc://path` on one host, `tcp://host:port` between hosts. No zmq headers
+/// here.
+///
+/// A solver is a DEALER, the coordinator a ROUTER; a message is one frame (wire.hpp). Each connection has an identity
+/// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often
+/// as it takes until it has joined and never again after that: whoever loses its connection has lost its place, so
+/// nothing stale can arrive. Deaths are noticed at once because the kernel closes the connection of a dead process; a
+/// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exchange/link.hpp"
+
+namespace interply::exchange {
+
+/// A solver's end. The coordinator may bind later; join() waits for it.
+/// @throws std::runtime_error for an address that cannot be one
+std::unique_ptr<SolverLink> connect_zeromq(const std::string& address);
+
+/// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
+/// @param welcome  what every accepted solver is told; a Join must know no scene or the one of `welcome.scene_digest`
+/// @throws std::runtime_error if the address cannot be bound
+std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
+                                             std::vector<Expected> expected);
+
+/// What a link of bind_zeromq() is really bound to, e.g. "tcp://127.0.0.1:40123".
+/// @throws std::bad_cast for any other link
+std::string get_endpoint(const CoordinatorLink& link);
+
+}  // namespace interply::exchange

@@ -1,0 +1,63 @@
+/// One ZeroMQ socket and the news of its connections. Internal to exchange; zmq headers stay in zeromq_socket.cpp.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "exchange/deadline.hpp"
+#include "exchange/wire.hpp"
+
+namespace interply::exchange {
+
+/// Used by one thread. What was sent before the end still leaves within a second.
+class ZeromqSocket {
+ public:
+  enum class Type {
+    Dealer,  ///< a solver: one connection
+    Router   ///< the coordinator: many, told apart by an identity that ZeroMQ gives to each
+  };
+  explicit ZeromqSocket(Type type);
+  ~ZeromqSocket();
+  ZeromqSocket(const ZeromqSocket&) = delete;
+  ZeromqSocket& operator=(const ZeromqSocket&) = delete;
+
+  /// Larger messages end the connection they come from, bytes. Before bind().
+  void limit_messages(std::int64_t bytes);
+  /// @throws std::runtime_error with the address
+  void connect(const std::string& address);
+  void bind(const std::string& address);
+  /// What bind() took.
+  std::string endpoint() const;
+
+  /// Dealer; waits a few seconds at most. False: errno says why.
+  bool send(Bytes frame);
+  /// Router; never waits. False: that connection is gone, or it takes nothing any more.
+  bool send(std::string_view identity, Bytes frame);
+
+  /// Takes the next message if one is here. What the next four describe is valid until the next call.
+  bool receive();
+  Bytes frame() const;
+  bool is_whole() const;              ///< it had exactly one frame
+  std::string_view identity() const;  ///< router: of the connection it came by
+  int descriptor() const;             ///< file descriptor of that connection
+  std::string peer_address() const;   ///< host, or user:group:process for ipc
+
+  /// A connection was made (both ends have agreed to talk) or has ended.
+  struct News {
+    bool connected = false;  ///< else it ended
+    int descriptor = -1;
+  };
+  /// All that was received by a connection is here before its end is told.
+  std::optional<News> next_news();
+
+  /// Sleeps until a message, news or a readable `descriptor` are there, at most until the deadline.
+  void wait(const Deadline& until, int descriptor = -1);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace interply::exchange

@@ -1,0 +1,20 @@
+/// `interply check`: what a scene would cost and what looks doubtful, without running it.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace interply::launch {
+
+struct CheckOptions {
+  std::filesystem::path scene;
+  std::vector<std::string> overrides;  ///< path=value
+};
+
+/// Validates and prints layers, masses, increments, steps, memory, time and warnings. Returns the exit code.
+/// @throws scene::SceneError
+int check_command(const CheckOptions& options, std::ostream& out);
+
+}  // namespace interply::launch

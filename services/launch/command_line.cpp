@@ -1,0 +1,183 @@
+#include "launch/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <numeric>
+
+#include "exchange/link.hpp"
+#include "launch/check.hpp"
+#include "launch/point.hpp"
+#include "launch/run.hpp"
+#include "scene/read_scene.hpp"
+
+namespace interply::launch {
+namespace {
+
+constexpr const char* kFooter = R"(exit codes:
+  0  done
+  1  interply itself failed (a file that cannot be written, a program that cannot be started)
+  2  the scene, the law or the command line is refused; nothing was started
+  3  the mechanics diverged; the record holds every complete frame
+  4  a process was lost; the record holds every complete frame
+  5  cancelled (Ctrl-C); the record holds every complete frame
+
+`interply COMMAND --help` shows an example of each command.)";
+
+std::size_t compute_edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> list_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* option : app.get_options()) {
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+int refuse(const std::string& sentence) {
+  std::fprintf(stderr, "interply: %s\n", sentence.c_str());
+  return kRefused;
+}
+
+/// A word that names no command, or nothing.
+std::string find_unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return "";
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return "";
+  return "there is no command \"" + std::string(argv[1]) + "\"; did you mean \"" + find_nearest_name(argv[1], names) +
+         "\"?";
+}
+
+/// What a command was given and does not know, or nothing.
+std::string find_unknown_word(const CLI::App& command) {
+  const auto words = command.remaining();
+  if (words.empty()) return "";
+  const auto option = std::find_if(words.begin(), words.end(), [](const auto& w) { return w.starts_with("-"); });
+  if (option == words.end()) return command.get_name() + " takes no further argument \"" + words.front() + "\"";
+  const std::string name = option->substr(0, option->find('='));
+  return command.get_name() + " has no option " + name + "; did you mean " +
+         find_nearest_name(name, list_options(command)) + "?";
+}
+
+void add_scene_arguments(CLI::App& command, std::filesystem::path& scene, std::vector<std::string>& overrides) {
+  command.add_option("scene", scene, "scene file (YAML)")->required()->type_name("SCENE");
+  command.add_option("--set", overrides, "override any key of the scene; may be repeated")
+      ->type_name("PATH=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+struct PointOptions {
+  std::filesystem::path law, path, out;
+};
+
+int point_command(const PointOptions& options) {
+  if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr);
+  std::ofstream file(options.out);
+  if (!file) throw std::runtime_error("cannot write " + options.out.string());
+  return run_point(options.law, options.path, file, std::cerr);
+}
+
+CLI::App* add_run(CLI::App& app, RunOptions& options) {
+  auto* run = app.add_subcommand("run", "form a scene: a federation of processes, a record, a summary");
+  add_scene_arguments(*run, options.scene, options.overrides);
+  run->add_option("--out", options.out, "folder of the record (default: runs/<scene name>)")->type_name("DIR");
+  run->add_flag("--overwrite", options.overwrite, "replace a record that is already there");
+  run->add_flag("--in-process", options.in_process, "all participants in this process: the same bits, for debugging");
+  run->add_option("--address", options.address,
+                  "where the coordinator listens: ipc, or tcp://127.0.0.1:0 for any free port (default: the scene's)")
+      ->type_name("ADDRESS");
+  run->add_flag("--no-record", options.no_record, "compute, but keep only the summary");
+  run->add_flag("--quiet", options.quiet, "print the digest and errors only");
+  run->footer(R"(example:
+  interply run deploy/scenes/tetrahedron_fml_coarse.yaml --set layers.ply_2.law.woven.variant=biaxial --out runs/biaxial
+)");
+  return run;
+}
+
+CLI::App* add_check(CLI::App& app, CheckOptions& options) {
+  auto* check =
+      app.add_subcommand("check", "validate a scene; show layers, masses, increments, steps, memory and time");
+  add_scene_arguments(*check, options.scene, options.overrides);
+  check->footer(R"(example:
+  interply check deploy/scenes/tetrahedron_fml.yaml --set blank.mesh_size=5
+)");
+  return check;
+}
+
+CLI::App* add_point(CLI::App& app, PointOptions& options) {
+  auto* point = app.add_subcommand("point", "drive one material point along a path of deformation gradients");
+  point->add_option("law", options.law, "file with the `law` block of a layer (YAML)")->required()->type_name("LAW");
+  point->add_option("--path", options.path, "columns F11,F12,F21,F22 (CSV)")->required()->type_name("PATH");
+  point->add_option("-o,--out", options.out, "write the result here instead of to the terminal (CSV)")
+      ->type_name("FILE");
+  point->footer(R"(example:
+  interply point law.yaml --path path.csv -o stress.csv
+)");
+  return point;
+}
+
+}  // namespace
+
+std::string find_nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+    return compute_edit_distance(word, a) < compute_edit_distance(word, b);
+  });
+  return nearest == candidates.end() ? "" : *nearest;
+}
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app{"interply forms fibre-metal laminates as a federation of processes, one per layer.", "interply"};
+  app.set_version_flag("--version", exchange::kVersion);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  RunOptions run_options;
+  CheckOptions check_options;
+  PointOptions point_options;
+  const auto* run = add_run(app, run_options);
+  const auto* check = add_check(app, check_options);
+  add_point(app, point_options);
+  for (auto* command : app.get_subcommands(nullptr)) command->allow_extras();
+
+  if (const auto problem = find_unknown_command(app, argc, argv); !problem.empty()) return refuse(problem);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // help or version
+    return refuse(std::string(e.what()) + " (see --help)");
+  }
+  const auto* command = app.get_subcommands().front();
+  if (const auto problem = find_unknown_word(*command); !problem.empty()) return refuse(problem);
+  try {
+    if (command == run) return run_command(run_options);
+    if (command == check) return check_command(check_options, std::cout);
+    return point_command(point_options);
+  } catch (const scene::SceneError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return kRefused;
+  } catch (const OutputExists& e) {
+    return refuse(e.what());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "interply: %s\n", e.what());
+    return kFailed;
+  }
+}
+
+}  // namespace interply::launch

@@ -1,0 +1,235 @@
+#include "launch/federation.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace interply::launch {
+namespace {
+
+// Seconds. The coordinator notices a dead solver in well under one and then needs a moment to close the record.
+constexpr double kGraceAfterLoss = 1.5;
+constexpr double kRecorderGraceAfterLoss = 5;
+constexpr double kCoordinatorAfterSuspect = 5;
+constexpr double kGraceAfterCancel = 15;
+constexpr double kSolversAfterCoordinator = 3;
+constexpr double kRecorderAfterCoordinator = 30;
+constexpr double kKillAfterTerminate = 5;
+
+/// A process that leaves with one of these has said why, or was told to: by itself no reason to name it as lost.
+bool is_orderly(const Child& child) {
+  if (child.was_killed()) return false;
+  const int code = child.exit_code();
+  return code == kDone || code == kDiverged || code == kLost || code == kCancelled;
+}
+
+/// Text after `prefix`, or nothing.
+std::optional<std::string> after_prefix(const std::string& line, const std::string& prefix) {
+  if (!line.starts_with(prefix)) return std::nullopt;
+  return line.substr(prefix.size());
+}
+
+}  // namespace
+
+Federation::Federation(FederationPlan plan, Terminal& terminal) : plan_(std::move(plan)), terminal_(terminal) {
+  sigset_t handled;
+  sigemptyset(&handled);
+  for (const int signal : {SIGCHLD, SIGINT, SIGTERM, SIGHUP}) sigaddset(&handled, signal);
+  sigprocmask(SIG_BLOCK, &handled, &old_mask_);
+  signals_ = signalfd(-1, &handled, SFD_NONBLOCK | SFD_CLOEXEC);
+  if (signals_ < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
+}
+
+Federation::~Federation() {
+  processes_.clear();
+  close(signals_);
+  sigprocmask(SIG_SETMASK, &old_mask_, nullptr);
+}
+
+RunResult Federation::supervise() {
+  start(plan_.coordinator);
+  limit(processes_.front(), plan_.startup_deadline);
+  while (anyone_running()) {
+    wait_for_events();
+    stop_late();
+  }
+  return cause_ ? *cause_ : result_;
+}
+
+void Federation::start(const Participant& participant) {
+  processes_.push_back(
+      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"))});
+}
+
+void Federation::start_others(const std::string& bound) {
+  bound_ = true;
+  auto& coordinator = processes_.front();
+  if (!coordinator.told_to_end) coordinator.stop_at = Clock::time_point::max();
+  if (cause_) return;
+  for (const auto& participant : plan_.others(bound)) start(participant);
+  terminal_.note(fmt::format("{} processes, the coordinator listens at {}", processes_.size(), bound));
+}
+
+bool Federation::anyone_running() const {
+  return std::any_of(processes_.begin(), processes_.end(), [](const auto& p) { return p.child->running(); });
+}
+
+void Federation::wait_for_events() {
+  auto deadline = Clock::time_point::max();
+  std::vector<pollfd> watched{{signals_, POLLIN, 0}};
+  std::vector<Supervised*> speakers{nullptr};
+  for (auto& p : processes_) {
+    watched.push_back({p.child->output(), POLLIN, 0});  // poll() skips -1
+    speakers.push_back(&p);
+    if (p.child->running()) deadline = std::min(deadline, p.stop_at);
+  }
+  int timeout = -1;
+  if (deadline != Clock::time_point::max()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    timeout = static_cast<int>(std::max<long long>(left, 0));
+  }
+  poll(watched.data(), watched.size(), timeout);
+  for (std::size_t i = 1; i < watched.size(); ++i) {
+    if (watched[i].revents == 0) continue;
+    speakers[i]->child->read_output([&](const auto& line) { handle_line(*speakers[i], line); });
+  }
+  if (watched[0].revents != 0) handle_signals();
+}
+
+void Federation::handle_signals() {
+  bool cancel = false;
+  for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) cancel |= info.ssi_signo != SIGCHLD;
+  reap_ended();  // SIGCHLD signals coalesce: look at every child
+  if (cancel) handle_cancel();
+}
+
+void Federation::handle_cancel() {
+  if (cancelled_) {
+    for (auto& p : processes_) p.child->send_signal(SIGKILL);
+    return;
+  }
+  cancelled_ = true;
+  terminal_.note("stopping (once more: kill at once)");
+  if (!cause_) cause_ = {kCancelled, "the run was cancelled", "", ""};
+  for (auto& p : processes_) p.told_to_end = true;
+  limit_all(kGraceAfterCancel);
+  processes_.front().child->send_signal(SIGINT);
+  if (!bound_) limit_all(0);
+}
+
+void Federation::handle_line(const Supervised& from, const std::string& line) {
+  if (!is_coordinator(from)) return;
+  if (const auto progress = after_prefix(line, "@progress ")) {
+    terminal_.show_progress(*progress);
+  } else if (const auto summary = after_prefix(line, "@summary")) {
+    if (!result_.summary.empty()) result_.summary += '\n';
+    result_.summary += summary->starts_with(' ') ? summary->substr(1) : *summary;
+  } else if (const auto digest = after_prefix(line, "@digest ")) {
+    result_.digest = *digest;
+  } else if (const auto address = after_prefix(line, "bound "); address && !bound_) {
+    start_others(*address);
+  } else {
+    terminal_.note(line);
+  }
+}
+
+void Federation::reap_ended() {
+  std::vector<Supervised*> ended;
+  for (auto& p : processes_) {
+    if (!p.child->reap()) continue;
+    p.child->read_output([&](const auto& line) { handle_line(p, line); });
+    ended.push_back(&p);
+  }
+  // A crash that made others leave in order comes first.
+  std::stable_partition(ended.begin(), ended.end(), [](const auto* p) { return !is_orderly(*p->child); });
+  for (auto* p : ended) handle_end(*p);
+}
+
+void Federation::handle_end(Supervised& ended) {
+  const Child& child = *ended.child;
+  if (!ended.told_to_end && !is_orderly(child) && !(is_coordinator(ended) && !bound_)) report_lost(child);
+  if (is_coordinator(ended)) {
+    handle_coordinator_end(child);
+  } else if (!ended.told_to_end && child.exit_code() != kDone && suspect_ == nullptr) {
+    suspect_ = &child;
+    limit(processes_.front(), kCoordinatorAfterSuspect);
+  }
+}
+
+void Federation::handle_coordinator_end(const Child& coordinator) {
+  const bool orderly = is_orderly(coordinator);
+  for (auto& p : processes_) {
+    const bool recorder = p.child->name() == "recorder";
+    limit(p, !orderly ? kGraceAfterLoss : recorder ? kRecorderAfterCoordinator : kSolversAfterCoordinator);
+  }
+  if (cause_) return;
+  result_.exit_code = coordinator.was_killed() ? kLost : coordinator.exit_code();
+  if (result_.exit_code == kDone) return;
+  const auto& lines = coordinator.last_lines();
+  const std::string last = lines.empty() ? "" : ": " + lines.back();
+  if (!bound_) {
+    result_.message = fmt::format("the coordinator {} before anything was started{}", coordinator.describe_end(), last);
+  } else if (result_.exit_code == kDiverged) {
+    result_.message = "the mechanics diverged" + last;
+  } else if (result_.exit_code == kLost) {
+    result_.message = "a participant was lost" + last;
+  } else if (result_.exit_code == kCancelled) {
+    result_.message = "the run was cancelled";
+  } else {
+    result_.message = fmt::format("the coordinator {}{}", coordinator.describe_end(), last);
+  }
+}
+
+void Federation::report_lost(const Child& lost) {
+  if (cause_ || result_.exit_code != kDone) return;
+  cause_ = {kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()), "", ""};
+  cause_->message += lost.last_lines().empty() ? "; its log is empty" : "; the last lines of its log:";
+  for (const auto& line : lost.last_lines()) cause_->message += "\n    " + line;
+  terminal_.end_progress();
+  terminal_.note(fmt::format("{} {}: stopping the others", lost.name(), lost.describe_end()));
+  for (auto& p : processes_) {
+    p.told_to_end = true;
+    limit(p, p.child->name() == "recorder" ? kRecorderGraceAfterLoss : kGraceAfterLoss);
+  }
+  // Solvers are watched by the coordinator over their links; the recorder by nobody but us.
+  if (lost.name() == "recorder") {
+    processes_.front().child->send_signal(SIGTERM);
+    limit(processes_.front(), kRecorderGraceAfterLoss);
+  }
+}
+
+void Federation::limit(Supervised& process, double seconds) {
+  const auto at = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  if (process.next_signal == SIGTERM) process.stop_at = std::min(process.stop_at, at);
+}
+
+void Federation::limit_all(double seconds) {
+  for (auto& p : processes_) limit(p, seconds);
+}
+
+void Federation::stop_late() {
+  const auto now = Clock::now();
+  for (auto& p : processes_) {
+    if (!p.child->running() || now < p.stop_at) continue;
+    if (suspect_ != nullptr) report_lost(*suspect_);
+    if (!cause_ && result_.exit_code == kDone) {
+      const bool silent_start = is_coordinator(p) && !bound_;
+      const std::string what = silent_start ? "does not listen" : "does not end after the run";
+      cause_ = {kLost, fmt::format("{} (process {}) {}", p.child->name(), p.child->pid(), what), "", ""};
+    }
+    p.told_to_end = true;
+    p.child->send_signal(p.next_signal);
+    p.child->send_signal(SIGCONT);  // a stopped process acts on SIGTERM only when continued
+    p.stop_at =
+        p.next_signal == SIGTERM
+            ? now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kKillAfterTerminate))
+            : Clock::time_point::max();
+    p.next_signal = SIGKILL;
+  }
+}
+
+}  // namespace interply::launch

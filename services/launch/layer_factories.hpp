@@ -1,0 +1,10 @@
+/// Which solver integrates a layer, for whoever runs layers in this process.
+#pragma once
+
+#include "solve/session.hpp"
+
+namespace interply::launch {
+
+solve::LayerFactory find_layer_factory(scene::Kind kind);
+
+}  // namespace interply::launch

@@ -1,0 +1,111 @@
+#include <atomic>
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "coordinator/coordinator.hpp"
+#include "exchange/in_process.hpp"
+#include "launch/layer_factories.hpp"
+#include "launch/run.hpp"
+#include "observe/run_sink.hpp"
+#include "record/writer.hpp"
+
+namespace interply::launch {
+namespace {
+
+/// Turns the first SIGINT, SIGTERM or SIGHUP into a cancelled run, the second into the end of the process. Threads that
+/// are started later do not receive these signals.
+class SignalWatch {
+ public:
+  explicit SignalWatch(std::function<void()> cancel) : cancel_(std::move(cancel)) {
+    sigemptyset(&handled_);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&handled_, signal);
+    pthread_sigmask(SIG_BLOCK, &handled_, &old_mask_);
+    thread_ = std::thread([this] { wait(); });
+  }
+  ~SignalWatch() {
+    done_ = true;
+    pthread_kill(thread_.native_handle(), SIGTERM);
+    thread_.join();
+    pthread_sigmask(SIG_SETMASK, &old_mask_, nullptr);
+  }
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+
+ private:
+  void wait() {
+    for (int count = 0;; ++count) {
+      int signal = 0;
+      sigwait(&handled_, &signal);
+      if (done_) return;
+      if (count > 0) std::_Exit(kCancelled);
+      cancel_();
+    }
+  }
+  std::function<void()> cancel_;
+  sigset_t handled_{}, old_mask_{};
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
+  std::vector<exchange::Expected> expected;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    expected.push_back({scene.layers[i].name, solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+  }
+  return expected;
+}
+
+/// A solver process as a thread. What it throws, the coordinator has been told or finds out by the closed link.
+void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub, observe::Sink& sink,
+               const std::function<void(const std::string&)>& log) {
+  const auto& layer = scene.layers[static_cast<std::size_t>(index)];
+  try {
+    const auto link = hub.connect();
+    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process"},
+               scene.exchange.startup_deadline);
+    solve::run_session(scene, index, find_layer_factory(layer.kind()), *link, sink);
+  } catch (const exchange::Stopped&) {  // the coordinator says why
+  } catch (const mechanics::Divergence&) {
+  } catch (const std::exception& e) {
+    log(layer.name + ": " + e.what());
+  }
+}
+
+}  // namespace
+
+RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, const std::string& run_name,
+                         Terminal& terminal) {
+  std::unique_ptr<observe::Sink> sink = std::make_unique<observe::NullSink>();
+  if (scene.record.frames > 0) sink = std::make_unique<record::RecordWriter>(folder.record());
+  std::mutex terminal_mutex;
+  const auto log = [&](const std::string& line) {
+    const std::lock_guard lock(terminal_mutex);
+    terminal.note(line);
+  };
+  const auto report = [&](const coordinator::Progress& progress) {
+    const std::lock_guard lock(terminal_mutex);
+    terminal.show_progress(coordinator::format_progress(progress));
+  };
+
+  exchange::InProcessHub hub(scene.digest, list_expected(scene));
+  const SignalWatch watch([&] { hub.coordinator().cancel("interrupted"); });
+  coordinator::Outcome outcome;
+  {
+    std::vector<std::jthread> layers;
+    for (int i = 0; i < static_cast<int>(scene.layers.size()); ++i) {
+      layers.emplace_back([&, i] { run_layer(scene, i, hub, *sink, log); });
+    }
+    try {
+      outcome = coordinator::run(scene, run_name, hub.coordinator(), *sink, report, log);
+    } catch (const std::exception& e) {  // the disk fails: the record is a participant, too
+      outcome = {.exit_code = kLost, .message = e.what(), .digest = "", .summary = ""};
+    }
+    hub.close();
+  }
+  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest};
+}
+
+}  // namespace interply::launch

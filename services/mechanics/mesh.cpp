@@ -1,0 +1,107 @@
+#include "mechanics/mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace interply::mechanics {
+
+TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, double h, double z, bool symmetric) {
+  const int nx = std::max(1, static_cast<int>(std::lround((x[1] - x[0]) / h)));
+  const int ny = std::max(1, static_cast<int>(std::lround((y[1] - y[0]) / h)));
+  TriangleMesh mesh;
+  mesh.reference.resize(3, (nx + 1) * (ny + 1));
+  for (int j = 0; j <= ny; ++j) {
+    for (int i = 0; i <= nx; ++i) {
+      const int node = j * (nx + 1) + i;
+      mesh.reference(0, node) = x[0] + (x[1] - x[0]) * i / nx;
+      mesh.reference(1, node) = y[0] + (y[1] - y[0]) * j / ny;
+      mesh.reference(2, node) = z;
+      if (symmetric && j == 0) mesh.symmetry_nodes.push_back(node);
+    }
+  }
+  mesh.triangles.resize(3, 2 * nx * ny);
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) {
+      const int a = j * (nx + 1) + i, b = a + 1, c = a + nx + 2, d = a + nx + 1;
+      const int e = 2 * (j * nx + i);
+      if ((i + j) % 2 == 0) {  // diagonal a-c
+        mesh.triangles.col(e) << a, b, c;
+        mesh.triangles.col(e + 1) << a, c, d;
+      } else {  // diagonal b-d
+        mesh.triangles.col(e) << a, b, d;
+        mesh.triangles.col(e + 1) << b, c, d;
+      }
+    }
+  }
+  mesh.neighbours = find_neighbours(mesh.triangles, mesh.n_nodes());
+  return mesh;
+}
+
+Triangles find_neighbours(const Triangles& triangles, Eigen::Index n_nodes) {
+  Triangles neighbours = Triangles::Constant(3, triangles.cols(), -1);
+  std::map<std::pair<int, int>, std::pair<int, int>> open;  // side -> (element, opposite corner)
+  for (int e = 0; e < triangles.cols(); ++e) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangles((k + 1) % 3, e), b = triangles((k + 2) % 3, e);
+      if (a < 0 || b < 0 || a >= n_nodes || b >= n_nodes || a == b)
+        throw std::invalid_argument("element " + std::to_string(e) + " has corners outside the mesh or twice the same");
+      const auto side = std::minmax(a, b);
+      const auto found = open.find(side);
+      if (found == open.end()) {
+        open.emplace(side, std::pair{e, k});
+        continue;
+      }
+      const auto [other, other_k] = found->second;
+      if (neighbours(other_k, other) != -1)
+        throw std::invalid_argument("the side between nodes " + std::to_string(side.first) + " and " +
+                                    std::to_string(side.second) + " belongs to three elements");
+      neighbours(k, e) = other;
+      neighbours(other_k, other) = e;
+    }
+  }
+  return neighbours;
+}
+
+Scalars compute_areas(const TriangleMesh& mesh) {
+  Scalars areas(mesh.n_elements());
+  for (Eigen::Index e = 0; e < mesh.n_elements(); ++e) {
+    const auto corner = [&](int k) { return at(mesh.reference, mesh.triangles(k, e)); };
+    areas(e) = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).z();
+  }
+  return areas;
+}
+
+Scalars compute_tributary_areas(const TriangleMesh& mesh) {
+  const Scalars areas = compute_areas(mesh);
+  Scalars tributary = Scalars::Zero(mesh.n_nodes());
+  for (Eigen::Index e = 0; e < mesh.n_elements(); ++e)
+    for (int k = 0; k < 3; ++k) tributary(mesh.triangles(k, e)) += areas(e) / 3;
+  return tributary;
+}
+
+Scalars compute_lumped_mass(const TriangleMesh& mesh, double thickness, double density) {
+  return density * thickness * compute_tributary_areas(mesh);
+}
+
+Incidence make_incidence(const int* nodes, int slots, Eigen::Index n_elements, Eigen::Index n_nodes) {
+  Incidence incidence;
+  incidence.start.assign(static_cast<std::size_t>(n_nodes) + 1, 0);
+  const Eigen::Index total = slots * n_elements;
+  for (Eigen::Index i = 0; i < total; ++i)
+    if (nodes[i] >= 0) ++incidence.start[static_cast<std::size_t>(nodes[i]) + 1];
+  for (Eigen::Index n = 0; n < n_nodes; ++n) incidence.start[n + 1] += incidence.start[n];
+  incidence.entry.resize(static_cast<std::size_t>(incidence.start.back()));
+  std::vector<int> next(incidence.start.begin(), incidence.start.end() - 1);
+  for (Eigen::Index e = 0; e < n_elements; ++e)  // elements ascending within each node
+    for (int s = 0; s < slots; ++s) {
+      const Eigen::Index i = s * n_elements + e;
+      if (nodes[i] >= 0) incidence.entry[static_cast<std::size_t>(next[nodes[i]]++)] = static_cast<int>(i);
+    }
+  return incidence;
+}
+
+}  // namespace interply::mechanics

@@ -1,0 +1,53 @@
+/// Flat triangle mesh of one blank and what follows from its connectivity.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mechanics/nodal.hpp"
+
+namespace interply::mechanics {
+
+/// A flat blank in a plane z = const; corners counter-clockwise seen from +z.
+struct TriangleMesh {
+  NodalVectors reference;           ///< X   midsurface nodes of the flat blank            [3 x n_nodes]     mm
+  Triangles triangles;              ///< corners                                           [3 x n_elements]
+  Triangles neighbours;             ///< element across the side opposite corner k, or -1  [3 x n_elements]
+  std::vector<int> symmetry_nodes;  ///< nodes held in the symmetry plane y = 0, ascending
+
+  Eigen::Index n_nodes() const { return reference.cols(); }
+  Eigen::Index n_elements() const { return triangles.cols(); }
+};
+
+/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard (MECHANICS 5).
+/// Nodes run with x fastest. Sides are divided into round(length/h) cells, at least one.
+/// @param x, y   {min, max} of the rectangle, mm
+/// @param h      wanted mesh size, mm
+/// @param z      height of the midsurface, mm
+/// @param symmetric  hold the nodes at y = 0 in the plane y = 0 (@pre y[0] == 0 then)
+TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, double h, double z = 0.0,
+                            bool symmetric = false);
+
+/// Element across each side. Non-manifold sides (three or more triangles) throw std::invalid_argument.
+Triangles find_neighbours(const Triangles& triangles, Eigen::Index n_nodes);
+
+/// Reference area of each triangle (positive for counter-clockwise corners). [n_elements] mm2
+Scalars compute_areas(const TriangleMesh& mesh);
+
+/// A third of the area of the triangles around each node. [n_nodes] mm2
+Scalars compute_tributary_areas(const TriangleMesh& mesh);
+
+/// Lumped mass: density x thickness x tributary area. [n_nodes] t
+Scalars compute_lumped_mass(const TriangleMesh& mesh, double thickness, double density);
+
+/// For each node the (element, slot) pairs that touch it, elements ascending: gathers element values in an order that
+/// does not depend on the number of threads.
+struct Incidence {
+  std::vector<int> start;  ///< first entry of node i in `entry`  [n_nodes + 1]
+  std::vector<int> entry;  ///< slot * n_elements + element       [total]
+};
+
+/// Incidence of `slots` node numbers per element; `nodes` is [slots x n_elements] row-major, negative entries skipped.
+Incidence make_incidence(const int* nodes, int slots, Eigen::Index n_elements, Eigen::Index n_nodes);
+
+}  // namespace interply::mechanics

@@ -1,0 +1,114 @@
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <string_view>
+#include <thread>
+
+#include "observe/dds.hpp"
+#include "observe/dds_domain.hpp"
+#include "observe/dds_wire.hpp"
+
+namespace interply::observe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_until(Clock::time_point deadline) {
+  return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count());
+}
+Clock::time_point after(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+dds_duration_t to_dds(double seconds) { return static_cast<dds_duration_t>(seconds * 1e9); }
+
+/// Whether the reader `which` of `writer` bears the recorder's mark.
+bool is_recorder(dds_entity_t writer, dds_instance_handle_t which) {
+  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(writer, which);
+  if (!endpoint) return false;
+  void* data = nullptr;
+  std::size_t size = 0;
+  const bool marked = dds_qget_userdata(endpoint->qos, &data, &size) && data &&
+                      std::string_view(static_cast<const char*>(data), size) == kRecorderMark;
+  dds_free(data);
+  dds_builtintopic_free_endpoint(endpoint);
+  return marked;
+}
+
+bool has_recorder(dds_entity_t writer) {
+  std::array<dds_instance_handle_t, 64> readers;
+  const int n = dds_get_matched_subscriptions(writer, readers.data(), readers.size());
+  for (int i = 0; i < std::min<int>(n, readers.size()); ++i) {
+    if (is_recorder(writer, readers[i])) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+struct DdsSink::Impl {
+  explicit Impl(const DdsOptions& options) : run(options.run), participant(options) {
+    const Qos partition = make_partition_qos(run);
+    const dds_entity_t publisher =
+        check_entity(dds_create_publisher(participant.handle(), partition.get(), nullptr), "create a publisher");
+    for_each_topic([&]<typename T>() {
+      const Qos qos = make_qos(Wire<T>::lasting);
+      const dds_entity_t topic =
+          check_entity(dds_create_topic(participant.handle(), Wire<T>::descriptor, Wire<T>::name, nullptr, nullptr),
+                       std::string("create topic ") + Wire<T>::name);
+      writers[topic_index<T>()] = check_entity(dds_create_writer(publisher, topic, qos.get(), nullptr),
+                                               std::string("create a writer of ") + Wire<T>::name);
+    });
+  }
+
+  template <typename T>
+  void write(const Encoded<T>& encoded) {
+    const dds_return_t result = dds_write(writers[topic_index<T>()], &encoded.sample);
+    if (result == DDS_RETCODE_OK) return;
+    const std::uint64_t n = ++dropped[topic_index<T>()];
+    if ((n & (n - 1)) == 0) {
+      spdlog::warn("{} sample(s) of {} dropped so far: no reader took them in time ({}); the run goes on", n,
+                   Wire<T>::name, dds_strretcode(result));
+    }
+  }
+
+  std::string run;
+  Participant participant;
+  std::array<dds_entity_t, kTopics> writers{};
+  std::array<std::atomic<std::uint64_t>, kTopics> dropped{};
+};
+
+DdsSink::DdsSink(const DdsOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+DdsSink::~DdsSink() = default;
+
+bool DdsSink::wait_for_reader(double seconds) {
+  const Clock::time_point deadline = after(seconds);
+  while (true) {
+    if (std::all_of(impl_->writers.begin(), impl_->writers.end(), has_recorder)) return true;
+    if (Clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+void DdsSink::put(const RunHeader& a) { impl_->write<RunHeader>(encode(a)); }
+void DdsSink::put(const LayerMesh& a) { impl_->write<LayerMesh>(encode(a)); }
+void DdsSink::put(const LayerFrame& a) { impl_->write<LayerFrame>(encode(a)); }
+void DdsSink::put(const InterfaceFrame& a) { impl_->write<InterfaceFrame>(encode(a)); }
+void DdsSink::put(const ToolFrame& a) { impl_->write<ToolFrame>(encode(a)); }
+void DdsSink::put(const HistoryRow& a) { impl_->write<HistoryRow>(encode(a)); }
+void DdsSink::put(const RunEnd& a) {
+  dds_wait_for_acks(impl_->writers[topic_index<HistoryRow>()], DDS_SECS(2));
+  impl_->write<RunEnd>(encode(a, impl_->run));
+}
+
+bool DdsSink::flush(double seconds) {
+  const Clock::time_point deadline = after(seconds);
+  bool all = true;
+  for (const dds_entity_t writer : impl_->writers) {
+    all &= dds_wait_for_acks(writer, to_dds(seconds_until(deadline))) == DDS_RETCODE_OK;
+  }
+  return all;
+}
+
+}  // namespace interply::observe

@@ -1,0 +1,70 @@
+/// The HDF5 file of one run (proto/RECORD.md), laid out completely before the first value is written.
+///
+/// Crash safety by construction: the file is created with every dataset contiguous, at its final extent, allocated and
+/// filled, under a temporary name; then it is closed and renamed. From then on only raw data are overwritten in place,
+/// so that no metadata change and the file is valid at any instant, also after the writer was killed. Internal to
+/// record.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "observe/frames.hpp"
+#include "record/hdf5.hpp"
+
+namespace interply::record {
+
+/// `name` as part of an HDF5 and XDMF path: every character but letters, digits and . _ - | + becomes '_'.
+std::string to_path_name(const std::string& name);
+
+/// Shape of one field.
+struct FieldShape {
+  std::string name, unit, description;
+  bool nodal = false;
+  int components = 1;
+  std::size_t points = 0;
+};
+std::vector<FieldShape> shapes_of(const std::vector<observe::Field>& fields);
+
+/// Everything that fixes the layout. Layers and interfaces that are not in the maps get a group without frames.
+struct Layout {
+  observe::RunHeader header;
+  std::map<std::string, observe::LayerMesh> meshes;                 ///< by layer
+  std::map<std::string, std::vector<FieldShape>> layer_fields;      ///< by layer
+  std::map<std::string, std::vector<FieldShape>> interface_fields;  ///< by interface
+};
+
+class RecordFile {
+ public:
+  /// Creates the file at `path`. @throws std::runtime_error, also if the disk cannot hold it
+  RecordFile(const std::filesystem::path& path, Layout layout);
+
+  const Layout& layout() const { return layout_; }
+
+  /// Empty if `frame` fits the layout, else a sentence that says why not.
+  std::string describe_mismatch(const observe::LayerFrame& frame) const;
+  std::string describe_mismatch(const observe::InterfaceFrame& frame) const;
+
+  /// @pre frames fit the layout
+  void write(const observe::LayerFrame& frame);
+  void write(const observe::InterfaceFrame& frame);
+  void write(const observe::ToolFrame& frame);
+  /// Row `index` of /history, then rows_complete. A list without one value per layer (interface) stays NaN.
+  void write(const observe::HistoryRow& row, int index);
+  /// Time and step of frame `frame`; then, once all its data are in the file, frames_complete = frame + 1.
+  void complete_frame(int frame, double time, std::int64_t step);
+  void write_end(const std::string& status, const std::string& message, const std::string& digest);
+
+ private:
+  const Handle& dataset(const std::string& path);
+  void write_fields(const std::string& group, int frame, const std::vector<observe::Field>& fields);
+
+  Layout layout_;
+  Handle file_;
+  std::map<std::string, Handle> datasets_;
+};
+
+}  // namespace interply::record

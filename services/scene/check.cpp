@@ -1,0 +1,232 @@
+#include "scene/check.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace interply::scene {
+namespace {
+
+void check_ascending(const Table& table, const std::string& path, Report& report) {
+  if (table.size() < 2) return report.add(path, "needs at least two rows [x, y]");
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    if (table[i][0] > table[i - 1][0]) continue;
+    return report.add(join(path, i), "abscissa " + to_text(table[i][0]) + " is not above the one before it, " +
+                                         to_text(table[i - 1][0]));
+  }
+}
+
+/// First shear angle in [0, pi/2] at which d tau/d gamma = s1 + 2 s2 g + 3 s3 g^2 <= 0 (MECHANICS 1), rad.
+std::optional<double> find_shear_softening(const std::array<double, 3>& s) {
+  const double c0 = s[0], c1 = 2 * s[1], c2 = 3 * s[2], last = std::numbers::pi / 2;
+  if (c0 <= 0) return 0.0;
+  // Smallest positive root, in the form that does not cancel: g = 2 c0 / (-c1 + sqrt(c1^2 - 4 c0 c2)).
+  const double discriminant = c1 * c1 - 4 * c0 * c2;
+  if (discriminant < 0) return std::nullopt;
+  const double denominator = -c1 + std::sqrt(discriminant);
+  if (denominator <= 0 || 2 * c0 > last * denominator) return std::nullopt;
+  return 2 * c0 / denominator;
+}
+
+void check_woven(const WovenLaw& law, const std::string& path, Report& report) {
+  if (const auto angle = find_shear_softening(law.s); angle && !report.is_broken(join(path, "s")))
+    report.add(join(path, "s"), "the shear stiffness s1 + 2 s2 g + 3 s3 g^2 is not positive at " +
+                                    to_rounded(*angle * 180 / std::numbers::pi) + " deg, as it must be up to 90 deg");
+  const std::string tables = join(path, "tables");
+  if (!law.tables || report.is_broken(tables)) return;
+  if (law.variant != Variant::Fabric && !report.is_broken(join(path, "variant")))
+    report.add(tables, "belongs to variant fabric only");
+  check_ascending(law.tables->warp, join(tables, "warp"), report);
+  check_ascending(law.tables->weft, join(tables, "weft"), report);
+  check_ascending(law.tables->shear, join(tables, "shear"), report);
+  const Table& shear = law.tables->shear;
+  if (!shear.empty() && (shear[0][0] != 0 || shear[0][1] != 0))
+    report.add(join(join(tables, "shear"), std::size_t{0}), "must be [0, 0], as the table is continued oddly");
+}
+
+void check_hardening_table(const Table& table, const std::string& path, Report& report) {
+  check_ascending(table, path, report);
+  if (!table.empty() && table[0][0] != 0)
+    report.add(join(path, std::size_t{0}), "plastic strain " + to_text(table[0][0]) + " is not 0 in the first row");
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double stress = table[i][1];
+    if (stress <= 0)
+      report.add(join(path, i), "yield stress " + to_text(stress) + " is not in (0, inf) MPa");
+    else if (i > 0 && stress < table[i - 1][1])
+      report.add(join(path, i), "yield stress " + to_text(stress) + " is below the one before it, " +
+                                    to_text(table[i - 1][1]) + "; softening is not supported");
+  }
+}
+
+void check_saturation(double s0, double s_inf, const std::string& path, Report& report) {
+  if (report.is_broken(path) || s_inf >= s0) return;
+  report.add(join(path, "s_inf"), to_text(s_inf) + " is below s0 = " + to_text(s0) + "; softening is not supported");
+}
+
+void check_j2(const J2Law& law, const std::string& path, Report& report) {
+  const std::string hardening = join(path, "hardening");
+  if (report.is_broken(hardening)) return;
+  if (const auto* voce = std::get_if<Voce>(&law.hardening)) {
+    check_saturation(voce->s0, voce->s_inf, join(hardening, "voce"), report);
+  } else if (const auto* hockett = std::get_if<HockettSherby>(&law.hardening)) {
+    check_saturation(hockett->s0, hockett->s_inf, join(hardening, "hockett_sherby"), report);
+  } else if (const auto* table = std::get_if<HardeningTable>(&law.hardening)) {
+    check_hardening_table(table->points, join(hardening, "table"), report);
+  }
+}
+
+const std::vector<std::string> kTools{"punch", "die", "blank_holder"};
+
+bool is_word(const std::string& name) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !name.empty() && is_letter(name[0]) && name.size() <= 64 && std::all_of(name.begin(), name.end(), [&](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+/// Names become file groups, topics and program arguments.
+void check_name(const Scene& scene, std::size_t i, const std::string& path, Report& report) {
+  const std::string& name = scene.layers[i].name;
+  if (report.is_broken(path)) return;
+  if (!is_word(name))
+    report.add(path, "'" + name + "' must be at most 64 letters, digits, '_' and '-', starting with a letter");
+  if (std::find(kTools.begin(), kTools.end(), name) != kTools.end())
+    report.add(path, "'" + name + "' is the name of a tool; choose another");
+  for (std::size_t k = 0; k < i; ++k) {
+    if (scene.layers[k].name != name) continue;
+    return report.add(path, "'" + name + "' is already the name of layers[" + std::to_string(k) + "]");
+  }
+}
+
+void check_layers(const Scene& scene, Report& report) {
+  if (scene.layers.empty() && !report.is_broken("layers"))
+    report.add("layers", "the stack is empty; give at least one layer");
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const std::string path = join("layers", i);
+    check_name(scene, i, join(path, "name"), report);
+    check_law(scene.layers[i].law, join(path, "law"), report);
+    if (report.is_broken(join(path, "law"))) continue;
+    const bool fabric = scene.layers[i].kind() == Kind::Fabric;
+    for (const char* key : {"bending", "twist", "integration_points"}) {
+      const bool for_fabric = std::string(key) != "integration_points";
+      if (report.is_given(join(path, key)) && for_fabric != fabric)
+        report.add(join(path, key), std::string("belongs to a ") + (for_fabric ? "woven" : "j2") + " layer only");
+    }
+  }
+}
+
+void check_blank(const Scene& scene, Report& report) {
+  const double half = std::min(scene.blank.length, scene.blank.width) / 2;
+  if (report.is_broken("blank") || scene.blank.mesh_size < half) return;
+  report.add("blank.mesh_size", to_text(scene.blank.mesh_size) + " is not below " + to_rounded(half) +
+                                    " mm, half of the smaller side of the blank");
+}
+
+/// Smallest distance between a punch and an opening around it, mm: the support function of a triangle of edge e lies
+/// between its inradius e/(2 sqrt 3) and its circumradius e/sqrt 3.
+double compute_clearance(const Opening& opening, const Punch& punch) {
+  const double wider = (opening.edge - punch.edge) / std::numbers::sqrt3;
+  return opening.offset - punch.radius + std::min(wider / 2, wider);
+}
+
+void check_clearances(const Scene& scene, Report& report) {
+  if (!scene.tools.punch || report.is_broken("tools") || report.is_broken("layers")) return;
+  double stack = 0;
+  for (const Layer& layer : scene.layers) stack += layer.thickness;
+  const double die = compute_clearance(scene.tools.die, *scene.tools.punch);
+  if (die < stack * (1 - 1e-12))
+    report.add("tools.die.offset", "leaves " + to_rounded(die) + " mm between punch and die, less than the " +
+                                       to_rounded(stack) + " mm of the stack");
+  const double holder = compute_clearance(scene.tools.blank_holder.opening, *scene.tools.punch);
+  if (holder <= 0)
+    report.add("tools.blank_holder.offset",
+               "leaves " + to_rounded(holder) + " mm between punch and blank holder, so the punch does not pass");
+}
+
+/// The triangle has its centre in the origin and a vertex on the x axis: its circumradius reaches out along x, half an
+/// edge along y.
+void check_inside_blank(const Opening& opening, const Blank& blank, const std::string& path, Report& report) {
+  if (report.is_broken("blank") || report.is_broken(path)) return;
+  const double rim = opening.offset + opening.shoulder;
+  const double x = opening.edge / std::numbers::sqrt3 + rim, y = opening.edge / 2 + rim;
+  if (x >= blank.length / 2 || y >= blank.width / 2)
+    report.add(path, "opening and shoulder reach " + to_rounded(x) + " mm along x and " + to_rounded(y) +
+                         " mm along y, beyond the half blank of " + to_rounded(blank.length / 2) + " x " +
+                         to_rounded(blank.width / 2) + " mm");
+}
+
+/// Neighbours in contact: consecutive layers, die and lowest layer, punch or blank holder and uppermost layer.
+bool are_neighbours(const std::vector<std::string>& stack, const std::string& first, const std::string& second) {
+  const auto touches = [&](const std::string& a, const std::string& b) {
+    if (a == "die") return !stack.empty() && b == stack.front();
+    if (a == "punch" || a == "blank_holder") return !stack.empty() && b == stack.back();
+    const auto at = std::find(stack.begin(), stack.end(), a);
+    return at != stack.end() && at + 1 != stack.end() && *(at + 1) == b;
+  };
+  return touches(first, second) || touches(second, first);
+}
+
+void check_friction_pairs(const Scene& scene, Report& report) {
+  if (report.is_broken("layers")) return;
+  std::vector<std::string> stack;
+  for (const Layer& layer : scene.layers) stack.push_back(layer.name);
+  std::vector<std::string> known = stack;
+  known.insert(known.end(), kTools.begin(), kTools.end());
+  std::set<std::set<std::string>> seen;
+  for (std::size_t i = 0; i < scene.contact.pairs.size(); ++i) {
+    const auto& [first, second, coefficient] = scene.contact.pairs[i];
+    const std::string path = join(join("friction.pairs", i), "between");
+    if (report.is_broken(path)) continue;
+    bool all_known = true;
+    for (const std::string& name : {first, second}) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      report.add(path, "'" + name + "' is no layer or tool" + suggest(name, known));
+      all_known = false;
+    }
+    if (!all_known) continue;
+    if (!are_neighbours(stack, first, second))
+      report.add(path, "'" + first + "' and '" + second + "' are not neighbours");
+    if (!seen.insert({first, second}).second) report.add(path, "'" + first + "' and '" + second + "' are given twice");
+  }
+}
+
+/// "host:port", port in [1, 65535].
+bool is_host_and_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) return false;
+  int port = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data() + colon + 1, end, port);
+  return error == std::errc{} && last == end && port >= 1 && port <= 65535;
+}
+
+void check_addresses(const Scene& scene, Report& report) {
+  const std::string& address = scene.exchange.address;
+  const bool ipc = address == "ipc" || (address.starts_with("ipc://") && address.size() > 6);
+  const bool tcp = address.starts_with("tcp://") && is_host_and_port(address.substr(6));
+  if (!ipc && !tcp && !report.is_broken("exchange.address"))
+    report.add("exchange.address", "'" + address + "' is not ipc, ipc://path or tcp://host:port");
+  if (scene.observe.network.empty() && !report.is_broken("observe.network"))
+    report.add("observe.network", "is empty; give the address of a network interface, such as 127.0.0.1");
+}
+
+}  // namespace
+
+void check_law(const Law& law, const std::string& path, Report& report) {
+  if (const auto* woven = std::get_if<WovenLaw>(&law)) check_woven(*woven, join(path, "woven"), report);
+  if (const auto* j2 = std::get_if<J2Law>(&law)) check_j2(*j2, join(path, "j2"), report);
+}
+
+void check_scene(const Scene& scene, Report& report) {
+  check_blank(scene, report);
+  check_layers(scene, report);
+  check_clearances(scene, report);
+  check_inside_blank(scene.tools.die, scene.blank, "tools.die", report);
+  check_inside_blank(scene.tools.blank_holder.opening, scene.blank, "tools.blank_holder", report);
+  check_friction_pairs(scene, report);
+  check_addresses(scene, report);
+}
+
+}  // namespace interply::scene

@@ -1,0 +1,35 @@
+/// Scene file -> checked plain structs. The only place that parses scenes.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace interply::scene {
+
+/// A scene or law that cannot be used. `what()` holds one sentence per problem, one per line:
+/// `scene.yaml:12: layers[2].law.woven.p_min: 1.4 is not in [0, 1]`.
+class SceneError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads, overrides, checks types and physics, fills in defaults.
+/// @param overrides  "path=value", path with layer names or indices: layers.ply_2.law.woven.variant=biaxial
+/// @throws SceneError with every problem found
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// The same from text; `origin` stands for the file name in messages. A resolved scene (`Scene::text`) reads back to an
+/// equal scene with the same digest.
+Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides = {});
+
+/// Reads a file that holds exactly the `law` block of a scene's layer. @throws SceneError
+Law read_law(const std::filesystem::path& file);
+
+/// Thickness-independent warnings about a checked scene (e.g. an indefinite law), one sentence each.
+std::vector<std::string> find_warnings(const Scene& scene);
+
+}  // namespace interply::scene

@@ -1,0 +1,98 @@
+#include "scene/report.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <numeric>
+
+#include "scene/read_scene.hpp"
+
+namespace interply::scene {
+namespace {
+
+/// Levenshtein distance: insertions, deletions and substitutions of characters.
+std::size_t compute_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// True for `path` itself and for everything in it.
+bool is_inside(const std::string& inner, const std::string& path) {
+  if (!inner.starts_with(path)) return false;
+  return path.empty() || inner.size() == path.size() || inner[path.size()] == '.' || inner[path.size()] == '[';
+}
+
+}  // namespace
+
+void Report::add_at(const std::string& origin, const std::string& path, const std::string& sentence) {
+  broken_.insert(path);
+  sentences_.push_back(origin + ": " + (path.empty() ? "" : path + ": ") + sentence);
+}
+
+bool Report::is_broken(const std::string& path) const {
+  return std::any_of(broken_.begin(), broken_.end(),
+                     [&](const std::string& other) { return is_inside(other, path) || is_inside(path, other); });
+}
+
+void Report::throw_if_any() const {
+  if (sentences_.empty()) return;
+  std::string text;
+  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + sentence;
+  throw SceneError(text);
+}
+
+std::string Report::find_origin(std::string path) const {
+  // A value that an override changed in part is the override's.
+  for (const auto& [inner, origin] : origins_)
+    if (is_inside(inner, path) && origin.starts_with("--set ")) return origin;
+  while (!origins_.contains(path)) {
+    if (path.empty()) return "scene";
+    const std::size_t cut = path.find_last_of(".[");
+    path.resize(cut == std::string::npos ? 0 : cut);
+  }
+  return origins_.at(path);
+}
+
+std::string join(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
+
+std::string join(const std::string& path, std::size_t index) { return path + "[" + std::to_string(index) + "]"; }
+
+std::string suggest(const std::string& word, const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  if (word.size() > 100) return "; known: " + enumerate(names);
+  const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
+    return compute_distance(word, a) < compute_distance(word, b);
+  });
+  const std::size_t allowed = std::max<std::size_t>(2, nearest->size() / 3);
+  const std::size_t distance = compute_distance(word, *nearest);
+  if (distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
+  return "; known: " + enumerate(names);
+}
+
+std::string enumerate(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string to_text(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+std::string to_rounded(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+}  // namespace interply::scene

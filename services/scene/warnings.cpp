@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/read_scene.hpp"
+#include "scene/report.hpp"
+
+namespace interply::scene {
+namespace {
+
+bool has_biaxial_coupling(const WovenLaw& law) {
+  return law.variant == Variant::Full || law.variant == Variant::Biaxial;
+}
+
+bool has_normal_shear_coupling(const WovenLaw& law) {
+  return law.variant == Variant::Full || law.variant == Variant::NormalShear;
+}
+
+/// Shear energy density W_S (paper eq. 8) + W_ST (eq. 9) at a shear angle (rad), where the fibre that is not compressed
+/// is stretched by 1 %, MPa. The stretch is ours: W_ST vanishes without one, and 1 % is common in forming.
+double compute_shear_energy(const WovenLaw& law, double s_T, double g) {
+  const double excess = 1.01 * 1.01 - 1;
+  return law.s[0] * g * g / 2 + law.s[1] * g * g * g / 3 + law.s[2] * g * g * g * g / 4 +
+         g * g * g / 3 * s_T * excess * excess;
+}
+
+/// Smallest whole angle below 60 deg at which compression d loses convexity, 2 d <= 8.6 s_C^(2/3) (W_S + W_ST)
+/// (MECHANICS 1); 60 if there is none.
+int find_compression_limit(const WovenLaw& law, double d, double s_C, double s_T) {
+  int degrees = 0;
+  while (degrees < 60 &&
+         2 * d > 8.6 * std::cbrt(s_C * s_C) * compute_shear_energy(law, s_T, degrees * std::numbers::pi / 180))
+    ++degrees;
+  return degrees;
+}
+
+void warn_of_woven(const WovenLaw& law, const std::string& path, std::vector<std::string>& warnings) {
+  if (has_normal_shear_coupling(law)) {
+    // The shear energy that a compressed warp reduces is raised by a stretched weft, and the other way round.
+    const int warp = find_compression_limit(law, law.d.warp, law.s_C.warp, law.s_T.weft);
+    const int weft = find_compression_limit(law, law.d.weft, law.s_C.weft, law.s_T.warp);
+    if (std::min(warp, weft) < 60)
+      warnings.push_back(path + ": a compressed " + (warp <= weft ? "warp" : "weft") + " is unstable from a shear of " +
+                         std::to_string(std::min(warp, weft)) + " deg, where 2 d > 8.6 s_C^(2/3) (W_S + W_ST) fails; " +
+                         "raise d or lower s_C");
+  }
+  const double c =
+      std::max(std::isinf(law.strain_cap.warp) ? law.c.warp : 0, std::isinf(law.strain_cap.weft) ? law.c.weft : 0);
+  if (has_biaxial_coupling(law) && c * 0.05 > 2.08)
+    warnings.push_back(path + ".c: " + to_text(c) + " makes equibiaxial tension unstable from a strain of " +
+                       to_rounded(2.08 / c) + "; lower c or set strain_cap");
+}
+
+void warn_of_orientation(const Layer& layer, bool half, const std::string& path, std::vector<std::string>& warnings) {
+  if (std::abs(std::remainder(layer.orientation_deg, 90)) < 1e-9) return;
+  warnings.push_back(path + ".orientation: " + to_text(layer.orientation_deg) +
+                     " is not a multiple of 90 deg, so the mesh is not along the fibres and locks in shear" +
+                     (half ? "; and the half model mirrors the fibres at y = 0, so use symmetry: full" : ""));
+}
+
+}  // namespace
+
+std::vector<std::string> find_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  bool fabric_only = true;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const Layer& layer = scene.layers[i];
+    const std::string path = join("layers", i);
+    fabric_only = fabric_only && layer.kind() == Kind::Fabric;
+    if (layer.kind() != Kind::Fabric) continue;
+    warn_of_woven(std::get<WovenLaw>(layer.law), path + ".law.woven", warnings);
+    warn_of_orientation(layer, scene.blank.half, path, warnings);
+  }
+  if (fabric_only && scene.time.mass_scaling >= 10)
+    warnings.push_back("time.mass_scaling: " + to_text(scene.time.mass_scaling) +
+                       " is too much for a stack without metal: inertia takes over a tenth of the energy from 10 on");
+  return warnings;
+}
+
+}  // namespace interply::scene

@@ -1,0 +1,50 @@
+/// What a solver process knows about its layer beyond nodes, masses and time: the two solvers implement this.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exchange/link.hpp"
+#include "mechanics/digest.hpp"
+#include "mechanics/failure.hpp"
+#include "mechanics/mesh.hpp"
+#include "observe/frames.hpp"
+#include "scene/scene.hpp"
+
+namespace interply::solve {
+
+class LayerMechanics {
+ public:
+  virtual ~LayerMechanics() = default;
+
+  /// f_int(x) of every node, N, into `force` (overwritten). History-dependent layers advance from the position of the
+  /// previous call to `position`; called once per step. Also refreshes internal_energy().
+  /// The force pulls the nodes: a = (f_contact - f_int) / m.
+  /// @throws mechanics::Divergence for a NaN or an inverted (folded) element; `time` (s) goes into its message
+  virtual void compute_internal_forces(const mechanics::NodalVectors& position, double time,
+                                       mechanics::NodalVectors& force) = 0;
+
+  /// Energy stored (fabric) or stress work spent (metal) up to the last compute_internal_forces(), mJ.
+  virtual double internal_energy() const = 0;
+
+  /// Largest stable increment of the layer alone from the current tangent, s; no safety factor.
+  virtual double compute_stable_increment() = 0;
+
+  /// Current thickness at the nodes, mm [n_nodes], or empty if the thickness is constant.
+  virtual mechanics::Scalars compute_nodal_thickness() const { return {}; }
+
+  /// Fields of a frame, without the position.
+  virtual std::vector<observe::Field> compute_fields() const = 0;
+
+  /// The few numbers a person wants at the end (largest shear angle, thinning, ...).
+  virtual std::vector<exchange::SummaryItem> summarise() const = 0;
+
+  /// Adds history (plastic strain, stress, ...) to the digest of the final state.
+  virtual void add_state_to(mechanics::Digest& digest) const = 0;
+};
+
+/// Mesh of any layer of a scene (all layers share the blank; z is the midsurface in the touching stack).
+mechanics::TriangleMesh make_layer_mesh(const scene::Scene& scene, int layer);
+
+}  // namespace interply::solve

@@ -1,0 +1,87 @@
+/// What a sheet shows: fields of a frame, nodal thickness, summary, digest.
+#include <algorithm>
+
+#include "solver_metal/metal_layer.hpp"
+
+namespace interply::metal {
+
+namespace {
+
+/// A field of one value per element, filled by f(element).
+template <typename F>
+observe::Field make_field(const char* name, const char* unit, const char* description, Eigen::Index n, const F& f) {
+  observe::Field field{.name = name, .unit = unit, .description = description, .values = {}};
+  field.values.resize(static_cast<std::size_t>(n));
+  for (Eigen::Index e = 0; e < n; ++e) field.values[e] = f(e);
+  return field;
+}
+
+}  // namespace
+
+mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
+  const auto& gather = patches_.gather;
+  const Eigen::Index n_nodes = static_cast<Eigen::Index>(gather.start.size()) - 1, corners = 3 * n_elements();
+  mechanics::Scalars nodal(n_nodes);
+  for (Eigen::Index node = 0; node < n_nodes; ++node) {
+    double volume = 0, area = 0;
+    for (int i = gather.start[node]; i < gather.start[node + 1]; ++i) {
+      if (gather.entry[i] >= corners) continue;  // far corner of a neighbour's patch
+      const Eigen::Index e = gather.entry[i] % n_elements();
+      volume += patches_.area(e) * thickness_(e);
+      area += patches_.area(e);
+    }
+    nodal(node) = area > 0 ? volume / area : thickness0_;
+  }
+  return nodal;
+}
+
+std::vector<observe::Field> MetalLayer::compute_fields() const {
+  const Eigen::Index n = n_elements();
+  const int points = rule_.size(), low = (points - 1) / 2, high = points / 2;  // equal for an odd number of points
+  const auto midsurface = [&](Eigen::Index e) {
+    return 0.5 * (load_point(low, e).stress + load_point(high, e).stress);
+  };
+  const auto mean_strain = [&](Eigen::Index e) {
+    double sum = 0;
+    for (int i = 0; i < points; ++i) sum += rule_.weight[i] * plastic_strain_(i, e);
+    return sum;
+  };
+  const auto stretches = [&](Eigen::Index e) {
+    return compute_principal({metric_(0, e), metric_(1, e), metric_(2, e)});
+  };
+  return {
+      make_field("thickness", "mm", "current thickness", n, [&](auto e) { return thickness_(e); }),
+      make_field("plastic_strain", "1", "equivalent plastic strain, largest through the thickness", n,
+                 [&](auto e) { return plastic_strain_.col(e).maxCoeff(); }),
+      make_field("plastic_strain_mean", "1", "equivalent plastic strain, mean through the thickness", n, mean_strain),
+      make_field("sigma_11", "MPa", "Cauchy stress along x at the midsurface, polar frame", n,
+                 [&](auto e) { return midsurface(e).m11; }),
+      make_field("sigma_22", "MPa", "Cauchy stress along y at the midsurface, polar frame", n,
+                 [&](auto e) { return midsurface(e).m22; }),
+      make_field("sigma_12", "MPa", "Cauchy shear stress at the midsurface, polar frame", n,
+                 [&](auto e) { return midsurface(e).m12; }),
+      make_field("von_mises", "MPa", "von Mises stress at the midsurface", n,
+                 [&](auto e) { return compute_von_mises(midsurface(e)); }),
+      make_field("stretch_1", "1", "larger principal stretch of the midsurface", n,
+                 [&](auto e) { return std::sqrt(stretches(e).first); }),
+      make_field("stretch_2", "1", "smaller principal stretch of the midsurface", n,
+                 [&](auto e) { return std::sqrt(stretches(e).second); }),
+  };
+}
+
+std::vector<exchange::SummaryItem> MetalLayer::summarise() const {
+  double von_mises = 0;
+  for (Eigen::Index e = 0; e < n_elements(); ++e)
+    for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));
+  return {{"largest plastic strain", "1", plastic_strain_.maxCoeff()},
+          {"largest thinning", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)},
+          {"largest von Mises stress", "MPa", von_mises}};
+}
+
+void MetalLayer::add_state_to(mechanics::Digest& digest) const {
+  digest.add(stress_);
+  digest.add(plastic_strain_);
+  digest.add(thickness_);
+}
+
+}  // namespace interply::metal

@@ -1,0 +1,36 @@
+/// Bounds of the highest frequency of a sheet from its current elastic tangent (for J2 the elastic modulus is the upper
+/// bound of the tangent). However the lumped mass of a node is divided among its elements, the highest frequency of the
+/// mesh is at most that of any single element on its shares; and membrane and bending stiffness add up:
+///
+///   dt = 2 / w,   w^2 <= max over elements of (w_membrane^2 + w_bending^2)                               (T1)
+///
+/// Dividing the mass in proportion to the stiffness at the node, not evenly, keeps a badly shaped element from deciding
+/// alone. All here is derived and checked in the tests against the largest eigenvalue of the assembled M^-1 K.
+#pragma once
+
+#include "mechanics/shell_patch.hpp"
+#include "solver_metal/symmetric2.hpp"
+
+namespace interply::metal {
+
+/// Largest w^2 of a constant-strain triangle on its shares of the nodal masses, 1/s2. With g_k = U^-1 dN_k/dX and the
+/// current volume v, corner k gets the share v |g_k|^2 / q_k of its node's mass m_k, q_k = sum of v |g_k|^2 over the
+/// elements of the node, and
+///
+///   w^2 = lambda_max(D B M^-1 B') v,     G = sum_k (q_k / m_k) g_k g_k' / |g_k|^2                        (T2)
+///
+/// In the principal axes of G (eigenvalues G1, G2) the 3 x 3 problem falls apart into shear G12 and a 2 x 2 block:
+/// closed form, exact for the element. The stress adds at most |s| G1 by its geometric stiffness and 2 |s| G1 by the
+/// change of U^-1 and of the volume, with |s| the largest principal stress.
+/// @param gram    G of (T2), mm/t
+/// @param stress  bound of |s|, MPa
+double bound_membrane_frequency2(const Symmetric2& gram, double young, double poisson, double stress);
+
+/// Per element of the flat sheet, lambda_max(D B M^-1 B') A for the curvature operator B of its patch, on shares of the
+/// nodal masses in proportion to |B_s|^2 A of the six slots s, and D the isotropic plate stiffness divided by
+/// E t^3 <xi^2>/(4 (1 - nu^2)). Times that is w_bending^2. [n_el] 1/(t mm2)
+/// @param mass  lumped, t [n_nodes]
+mechanics::Scalars compute_bending_compliance(const mechanics::ShellPatches& patches, const mechanics::Scalars& mass,
+                                              double poisson);
+
+}  // namespace interply::metal

@@ -1,0 +1,169 @@
+#include "contact/layer_interface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "contact/normals.hpp"
+#include "contact/tool_interface.hpp"
+
+namespace {
+
+using namespace interply;
+using namespace interply::contact;
+
+const InterfaceLaw kLaw{.stiffness = 500, .tangential = 500, .damping = 0, .friction = 0.25};
+
+struct Layer {
+  mechanics::TriangleMesh mesh;
+  LayerGeometry geometry;
+  std::unique_ptr<VertexNormals> normals;
+  Layer(double h, double z, double thickness, double turn = 0)
+      : mesh(mechanics::make_rectangle({-5, 5}, {-4, 4}, h, z)) {
+    const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn, Vector3::UnitZ()));
+    for (int i = 0; i < mesh.n_nodes(); ++i) {
+      const Vector3 x = rotation * mechanics::at(mesh.reference, i);
+      for (int d = 0; d < 3; ++d) mesh.reference(d, i) = x(d);
+    }
+    geometry.mesh = &mesh;
+    geometry.position = mesh.reference;
+    geometry.increment = geometry.normal = NodalVectors::Zero(3, mesh.n_nodes());
+    geometry.half_thickness = Scalars::Constant(mesh.n_nodes(), 0.5 * thickness);
+    geometry.mass = mechanics::compute_lumped_mass(mesh, thickness, 1e-9);
+    normals = std::make_unique<VertexNormals>(mesh);
+    normals->compute(geometry.position, geometry.normal);
+  }
+  template <typename F>
+  void move(F f) {
+    NodalVectors next(3, mesh.n_nodes());
+    for (int i = 0; i < mesh.n_nodes(); ++i) {
+      const Vector3 v = f(mechanics::at(mesh.reference, i));
+      for (int d = 0; d < 3; ++d) next(d, i) = v(d);
+    }
+    geometry.increment = next - geometry.position;
+    geometry.position = next;
+    normals->compute(geometry.position, geometry.normal);
+  }
+};
+
+Vector3 total(const NodalVectors& f) { return {f.row(0).sum(), f.row(1).sum(), f.row(2).sum()}; }
+
+TEST(LayerInterface, ForcesOnBothFacesCancel) {
+  Layer lower(1.0, 0, 1), upper(0.7, 1, 1, 0.3);
+  LayerInterface interface(kLaw, lower.geometry, upper.geometry);
+  interface.update(0);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-0.05, 0.05);
+  for (int n = 0; n < 20; ++n) {
+    lower.move([&](Vector3 x) { return Vector3(x + Vector3(0.01 * n + unit(random), unit(random), unit(random))); });
+    upper.move([&](Vector3 x) { return Vector3(x + Vector3(unit(random), unit(random), unit(random) - 0.05)); });
+    interface.update(1e-6);
+    const double scale = interface.force_on_lower().abs().sum();
+    EXPECT_GT(scale, 1);
+    EXPECT_LT((total(interface.force_on_lower()) + total(interface.force_on_upper())).norm(), 1e-12 * scale);
+  }
+}
+
+TEST(LayerInterface, FlatPatchCarriesUniformPressureAcrossNonMatchingMeshes) {
+  Layer lower(1.0, 0, 1), upper(0.6, 1, 1);
+  LayerInterface interface(kLaw, lower.geometry, upper.geometry);
+  upper.move([](Vector3 x) { return Vector3(x - Vector3(0, 0, 0.004)); });
+  interface.update(0);
+  EXPECT_NEAR(interface.points().pressure.minCoeff(), 2.0, 1e-10);
+  EXPECT_NEAR(interface.points().pressure.maxCoeff(), 2.0, 1e-10);
+  EXPECT_NEAR(total(interface.force_on_upper()).z(), 2.0 * 80, 1e-8);
+}
+
+TEST(LayerInterface, RigidMotionTogetherNeitherSlipsNorWorks) {
+  Layer lower(1.0, 0, 1), upper(1.0, 1, 1);
+  LayerInterface interface(kLaw, lower.geometry, upper.geometry);
+  interface.update(0);
+  for (int n = 1; n <= 100; ++n) {
+    const auto shift = [&](Vector3 x) { return Vector3(x + 0.3 * n * Vector3(1, -2, 0.5)); };
+    lower.move(shift);
+    upper.move([&](Vector3 x) { return Vector3(shift(x) - Vector3(0, 0, 0.002)); });
+    interface.update(1e-6);
+  }
+  EXPECT_NEAR(interface.points().slip.maxCoeff(), 0, 1e-10);
+  EXPECT_NEAR(interface.energies().friction, 0, 1e-10);
+}
+
+/// Tracked pairs agree with trying every triangle, on curved sheets that slide over each other.
+TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
+  Layer lower(0.8, 0, 0.2), upper(0.5, 0.2, 0.2, 0.4);
+  const auto bend = [](const Vector3& x, double lift) {
+    return Vector3(x.x(), x.y(), lift + 2 * std::exp(-0.1 * (x.x() * x.x() + x.y() * x.y())));
+  };
+  std::vector<int> tracked(static_cast<std::size_t>(lower.mesh.n_nodes()));
+  for (int i = 0; i < lower.mesh.n_nodes(); ++i)
+    tracked[static_cast<std::size_t>(i)] =
+        search_facing(upper.mesh, upper.geometry.position, mechanics::at(lower.geometry.position, i), Vector3::UnitZ());
+  int compared = 0;
+  for (int n = 1; n <= 30; ++n) {
+    lower.move([&](Vector3 x) { return bend(x, 0); });
+    upper.move([&](Vector3 x) { return bend(x + Vector3(0.05 * n, 0.03 * n, 0), 0.2); });
+    for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
+      const Vector3 x = mechanics::at(lower.geometry.position, i), normal = mechanics::at(lower.geometry.normal, i);
+      int& triangle = tracked[static_cast<std::size_t>(i)];
+      const Facing walked = find_facing(upper.mesh, upper.geometry.position, x, normal, triangle);
+      triangle = walked.triangle;
+      if (walked.share < 1) continue;  // beyond the edge
+      const Facing searched = find_facing(upper.mesh, upper.geometry.position, x, normal,
+                                          search_facing(upper.mesh, upper.geometry.position, x, normal));
+      EXPECT_NEAR(walked.projection.distance, searched.projection.distance, 1e-9);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+TEST(Pairing, NodeBeyondTheEdgeIsLetGoGentlyAndTakenBack) {
+  Layer upper(1.0, 1, 1);
+  const auto share = [&](double beyond) {
+    const Vector3 x(5 + beyond, 0.2, 0);
+    const int start = search_facing(upper.mesh, upper.geometry.position, Vector3(4.9, 0.2, 0), Vector3::UnitZ());
+    const Facing f = find_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ(), start);
+    EXPECT_NEAR(f.projection.weight[0] + f.projection.weight[1] + f.projection.weight[2], 1, 1e-14);
+    return f.share;
+  };
+  EXPECT_EQ(share(-0.01), 1.0);
+  EXPECT_NEAR(share(0.15), 0.5, 1e-9);
+  EXPECT_EQ(share(0.31), 0.0);
+}
+
+TEST(VertexNormals, OfASphereArePointingOutwards) {
+  Layer cap(0.5, 0, 1);
+  const double radius = 12;
+  cap.move(
+      [&](Vector3 x) { return Vector3(x.x(), x.y(), std::sqrt(radius * radius - x.x() * x.x() - x.y() * x.y())); });
+  for (int i = 0; i < cap.mesh.n_nodes(); ++i) {
+    const Vector3 x = mechanics::at(cap.geometry.position, i);
+    if (std::abs(x.x()) > 4.4 || std::abs(x.y()) > 3.4) continue;
+    EXPECT_LT((mechanics::at(cap.geometry.normal, i) - x / radius).norm(), 5e-3);
+  }
+}
+
+TEST(ToolInterface, SkippingFarNodesChangesNothing) {
+  // a sheet under a sinking punch: forces must equal those of an interface that starts fresh at the same place
+  Layer sheet(0.5, -0.5, 1);
+  Tool tool{.name = "punch", .shape = std::make_unique<PyramidPunch>(10, 5, 2), .z = 0};
+  Tool fresh_tool{.name = "punch", .shape = std::make_unique<PyramidPunch>(10, 5, 2), .z = 0};
+  const InterfaceLaw frictionless{.stiffness = 500, .tangential = 500};
+  ToolInterface tracked(frictionless, sheet.geometry, tool);
+  tracked.update(0);
+  for (int n = 1; n <= 300; ++n) {
+    tool.increment = -0.01;
+    tool.z -= 0.01;
+    sheet.move([&](Vector3 x) { return Vector3(x - Vector3(0, 0, 0.0099 * n * std::exp(-0.05 * x.squaredNorm()))); });
+    tracked.update(1e-6);
+    if (n % 50) continue;
+    fresh_tool.z = tool.z;
+    ToolInterface fresh(frictionless, sheet.geometry, fresh_tool);
+    fresh.update(0);
+    EXPECT_GT(tool.force.z(), 0);
+    EXPECT_TRUE((tracked.force_on_layer() == fresh.force_on_layer()).all());
+  }
+}
+
+}  // namespace

@@ -1,0 +1,80 @@
+/// The programs started one by one, as on several hosts: `interply run` does nothing that a person could not.
+#include <gmock/gmock.h>
+
+#include <memory>
+
+#include "faults/programs.hpp"
+#include "record/reader.hpp"
+
+namespace interply::faults {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ByHand : public testing::Test {
+ protected:
+  /// Starts a coordinator on a free port and waits for its address.
+  void start_coordinator(std::vector<std::string> more) {
+    std::vector<std::string> words{"--bind", "tcp://127.0.0.1:*", "--scene", kScenes / "flat_stack.yaml", "--run",
+                                   run_};
+    words.insert(words.end(), more.begin(), more.end());
+    coordinator_ = std::make_unique<Program>("interply-coordinator", words, folder_.path());
+    ASSERT_TRUE(coordinator_->wait_for_words("bound ")) << coordinator_->said();
+    const auto& said = coordinator_->said();
+    const auto begin = said.find("bound ") + 6;
+    address_ = said.substr(begin, said.find('\n', begin) - begin);
+  }
+  std::unique_ptr<Program> start_solver(const std::string& kind, const std::string& layer) {
+    fs::create_directories(folder_.path() / layer);
+    return std::make_unique<Program>("interply-solver-" + kind,
+                                     std::vector<std::string>{"--connect", address_, "--layer", layer},
+                                     folder_.path() / layer);
+  }
+
+  TemporaryFolder folder_;
+  const std::string run_ = "by_hand_" + std::to_string(getpid());
+  std::string address_;
+  std::unique_ptr<Program> coordinator_;
+};
+
+TEST_F(ByHand, ARunNeedsAddressAndLayerOnly) {
+  start_coordinator({"--set", "motion.forming_time=0.2e-3"});
+  Program recorder("interply-recorder", {"--run", run_, "--out", folder_.path()}, folder_.path());
+  std::vector<std::unique_ptr<Program>> solvers;
+  for (const auto* ply : {"ply_3", "ply_1", "ply_2"}) solvers.push_back(start_solver("fabric", ply));
+  for (const auto* sheet : {"sheet_upper", "sheet_lower"}) solvers.push_back(start_solver("metal", sheet));
+  EXPECT_EQ(coordinator_->wait(), 0) << coordinator_->said();
+  for (auto& solver : solvers) EXPECT_EQ(solver->wait(), 0) << solver->said();
+  EXPECT_EQ(recorder.wait(), 0) << recorder.said();
+  const record::RecordReader record(folder_.path() / "record.h5");
+  EXPECT_EQ(record.read_text("status"), "done");
+  EXPECT_THAT(coordinator_->said(), HasSubstr("@digest " + record.read_text("digest")));
+}
+
+TEST_F(ByHand, AMissingParticipantIsNamedAtTheStartUpDeadline) {
+  start_coordinator({"--set", "exchange.startup_deadline=3", "--set", "record.frames=0"});
+  auto solver = start_solver("fabric", "ply_2");
+  EXPECT_EQ(coordinator_->wait(), 4) << coordinator_->said();
+  EXPECT_THAT(coordinator_->said(), AllOf(HasSubstr("joined ply_2; missing "),
+                                          testing::ContainsRegex("missing .*sheet_lower.*ply_1.*ply_3.*sheet_upper")));
+  EXPECT_EQ(solver->wait(), 4) << solver->said();
+}
+
+TEST_F(ByHand, AWrongSolverAndADuplicateAreRefusedAndTheRunGoesOn) {
+  start_coordinator({"--set", "motion.forming_time=0.1e-3", "--set", "record.frames=0"});
+  auto ply_1 = start_solver("fabric", "ply_1");
+  ASSERT_TRUE(coordinator_->wait_for_words("ply_1 joined")) << coordinator_->said();
+  auto duplicate = start_solver("fabric", "ply_1");
+  EXPECT_EQ(duplicate->wait(), 2) << duplicate->said();
+  auto stranger = start_solver("fabric", "ply_9");
+  EXPECT_EQ(stranger->wait(), 2) << stranger->said();
+  std::vector<std::unique_ptr<Program>> others;
+  for (const auto* ply : {"ply_2", "ply_3"}) others.push_back(start_solver("fabric", ply));
+  for (const auto* sheet : {"sheet_lower", "sheet_upper"}) others.push_back(start_solver("metal", sheet));
+  EXPECT_EQ(coordinator_->wait(), 0) << coordinator_->said();
+  EXPECT_EQ(ply_1->wait(), 0) << ply_1->said();
+}
+
+}  // namespace
+}  // namespace interply::faults

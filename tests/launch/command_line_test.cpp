@@ -1,0 +1,76 @@
+#include "launch/command_line.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "launch/run.hpp"
+
+namespace interply::launch {
+namespace {
+
+using testing::HasSubstr;
+
+struct Said {
+  int exit_code;
+  std::string out, error;
+};
+
+Said say(std::vector<std::string> words) {
+  words.insert(words.begin(), "interply");
+  std::vector<char*> arguments;
+  for (auto& word : words) arguments.push_back(word.data());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  const std::string out = testing::internal::GetCapturedStdout();
+  return {exit_code, out, testing::internal::GetCapturedStderr()};
+}
+
+TEST(CommandLine, HelpTellsTheExitCodes) {
+  const auto said = say({"--help"});
+  EXPECT_EQ(said.exit_code, kDone);
+  for (const auto* words :
+       {"run", "check", "point", "3  the mechanics diverged", "4  a process was lost", "5  cancelled"})
+    EXPECT_THAT(said.out, HasSubstr(words));
+}
+
+TEST(CommandLine, HelpOfEachCommandShowsAnExample) {
+  for (const std::string command : {"run", "check", "point"}) {
+    const auto said = say({command, "--help"});
+    EXPECT_EQ(said.exit_code, kDone);
+    EXPECT_THAT(said.out, HasSubstr("example:\n  interply " + command));
+  }
+}
+
+TEST(CommandLine, UnknownCommandNamesTheNearestOne) {
+  const auto said = say({"chekc", "scene.yaml"});
+  EXPECT_EQ(said.exit_code, kRefused);
+  EXPECT_EQ(said.error, "interply: there is no command \"chekc\"; did you mean \"check\"?\n");
+}
+
+TEST(CommandLine, UnknownOptionNamesTheNearestOne) {
+  const auto said = say({"run", "scene.yaml", "--overwrit"});
+  EXPECT_EQ(said.exit_code, kRefused);
+  EXPECT_EQ(said.error, "interply: run has no option --overwrit; did you mean --overwrite?\n");
+}
+
+TEST(CommandLine, SurplusAndMissingArgumentsAreRefused) {
+  EXPECT_EQ(say({"run", "a.yaml", "b.yaml"}).error, "interply: run takes no further argument \"b.yaml\"\n");
+  EXPECT_EQ(say({"run"}).exit_code, kRefused);
+  EXPECT_EQ(say({"point", "law.yaml"}).exit_code, kRefused);
+  EXPECT_EQ(say({}).exit_code, kRefused);
+}
+
+TEST(CommandLine, ASceneThatDoesNotExistIsRefused) {
+  const auto said = say({"check", "/no/such/scene.yaml"});
+  EXPECT_EQ(said.exit_code, kRefused);
+  EXPECT_THAT(said.error, HasSubstr("/no/such/scene.yaml"));
+}
+
+TEST(NearestName, TakesTheFewestEdits) {
+  EXPECT_EQ(find_nearest_name("rnu", {"check", "run", "point"}), "run");
+  EXPECT_EQ(find_nearest_name("x", {}), "");
+}
+
+}  // namespace
+}  // namespace interply::launch

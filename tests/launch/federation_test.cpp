@@ -1,0 +1,182 @@
+/// Supervision of processes, with shell scripts in the place of coordinator, solvers and recorder.
+#include "launch/federation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace interply::launch {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+
+Participant shell(const std::string& name, const std::string& script) { return {name, {"/bin/sh", "-c", script}}; }
+
+/// A federation of scripts, its folder and what it showed.
+class FederationOfScripts : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string path = testing::TempDir() + "federation-XXXXXX";
+    folder_ = mkdtemp(path.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  RunResult supervise(const std::string& coordinator, std::vector<Participant> others) {
+    const auto shown = folder_ / "shown";
+    std::FILE* file = std::fopen(shown.c_str(), "w");
+    Terminal terminal(file, false);
+    FederationPlan plan{shell("coordinator", coordinator), [others](const std::string&) { return others; }, folder_,
+                        30};
+    const auto result = Federation(std::move(plan), terminal).supervise();
+    std::fclose(file);
+    shown_ = read(shown);
+    return result;
+  }
+
+  /// True if the process that wrote its number into `file` is gone.
+  bool is_gone(const std::string& file) const {
+    std::istringstream text(read(folder_ / file));
+    pid_t pid = 0;
+    return (text >> pid) && kill(pid, 0) != 0 && errno == ESRCH;
+  }
+  /// Script that keeps its number in `file`.
+  std::string remember(const std::string& file) const { return "echo $$ > " + (folder_ / file).string() + "; "; }
+
+  static std::string read(const fs::path& path) {
+    std::ifstream file(path);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  fs::path folder_;
+  std::string shown_;
+};
+
+TEST_F(FederationOfScripts, PassesOnSummaryDigestAndNotes) {
+  const auto result = supervise(
+      "echo bound somewhere; echo a note; echo '@progress stroke 1 mm'; echo '@summary first'; echo '@summary'; "
+      "echo '@summary   third'; echo '@digest 0123456789abcdef'",
+      {shell("ply_1", "exit 0"), shell("recorder", "exit 0")});
+  EXPECT_EQ(result.exit_code, kDone);
+  EXPECT_EQ(result.message, "");
+  EXPECT_EQ(result.summary, "first\n\n  third");
+  EXPECT_EQ(result.digest, "0123456789abcdef");
+  EXPECT_THAT(shown_, HasSubstr("a note\n"));
+  EXPECT_THAT(shown_, HasSubstr("stroke 1 mm\n"));
+  EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("a note\n"));
+  EXPECT_THAT(read(folder_ / "coordinator.log"), Not(HasSubstr("@progress")));
+}
+
+TEST_F(FederationOfScripts, StartsOthersOnlyWhenTheCoordinatorListens) {
+  const auto result = supervise("echo 'cannot bind to x'; exit 2", {shell("ply_1", remember("ply_1") + "exit 0")});
+  EXPECT_EQ(result.exit_code, kRefused);
+  EXPECT_THAT(result.message, HasSubstr("cannot bind to x"));
+  EXPECT_FALSE(fs::exists(folder_ / "ply_1"));
+}
+
+TEST_F(FederationOfScripts, NamesAKilledProcessWithItsLastLines) {
+  const auto result = supervise(remember("coordinator") + "echo bound x; exec sleep 600",
+                                {shell("ply_1", remember("ply_1") + "exec sleep 600"),
+                                 shell("ply_2", "for i in 1 2 3 4 5 6 7; do echo line $i; done; kill -9 $$"),
+                                 shell("recorder", remember("recorder") + "exec sleep 600")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, HasSubstr("ply_2"));
+  EXPECT_THAT(result.message, HasSubstr("signal 9"));
+  EXPECT_THAT(result.message, HasSubstr("line 3\n    line 4\n    line 5\n    line 6\n    line 7"));
+  EXPECT_THAT(result.message, Not(HasSubstr("line 2")));
+  for (const auto* name : {"coordinator", "ply_1", "recorder"}) EXPECT_TRUE(is_gone(name)) << name;
+}
+
+TEST_F(FederationOfScripts, NamesTheCrashAndNotWhoLeftInOrderBecauseOfIt) {
+  const auto result = supervise("echo bound x; sleep 0.5; echo 'ply_1 is lost'; exit 4",
+                                {shell("ply_1", "kill -SEGV $$"), shell("ply_2", "sleep 0.6; exit 4")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, testing::StartsWith("ply_1 "));
+}
+
+TEST_F(FederationOfScripts, ASolverThatGivesUpAtStartIsNamedEvenIfTheCoordinatorDoesNotNotice) {
+  const auto result =
+      supervise(remember("coordinator") + "echo bound x; exec sleep 600", {shell("ply_1", "echo no recorder; exit 4")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, HasSubstr("ply_1"));
+  EXPECT_THAT(result.message, HasSubstr("no recorder"));
+  EXPECT_TRUE(is_gone("coordinator"));
+}
+
+TEST_F(FederationOfScripts, ALostCoordinatorIsNamed) {
+  const auto result = supervise("echo bound x; sleep 0.3; kill -9 $$",
+                                {shell("ply_1", remember("ply_1") + "exec sleep 600"), shell("recorder", "exit 0")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, testing::StartsWith("coordinator "));
+  EXPECT_TRUE(is_gone("ply_1"));
+}
+
+TEST_F(FederationOfScripts, ALostRecorderStopsTheCoordinator) {
+  const auto result =
+      supervise("trap 'echo stopping; exit 5' TERM; echo bound x; while :; do sleep 0.1; done",
+                {shell("ply_1", remember("ply_1") + "exec sleep 600"), shell("recorder", "echo disk full; exit 1")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, HasSubstr("recorder"));
+  EXPECT_THAT(result.message, HasSubstr("disk full"));
+  EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("stopping"));
+  EXPECT_TRUE(is_gone("ply_1"));
+}
+
+TEST_F(FederationOfScripts, TheCoordinatorsReasonIsKeptAndAStoppedProcessDoesNotStay) {
+  const auto result = supervise("echo bound x; sleep 0.3; echo 'ply_1 was silent for 60 s'; exit 4",
+                                {shell("ply_1", remember("ply_1") + "kill -STOP $$")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, HasSubstr("ply_1 was silent for 60 s"));
+  EXPECT_TRUE(is_gone("ply_1"));
+}
+
+TEST_F(FederationOfScripts, DivergenceIsTheCoordinatorsWord) {
+  const auto result = supervise("echo bound x; sleep 0.2; echo 'ply_1: element 3 is inverted'; exit 3",
+                                {shell("ply_1", "exit 3"), shell("recorder", "sleep 0.4")});
+  EXPECT_EQ(result.exit_code, kDiverged);
+  EXPECT_THAT(result.message, HasSubstr("ply_1: element 3 is inverted"));
+}
+
+TEST_F(FederationOfScripts, AnInterruptLetsTheCoordinatorStopEveryone) {
+  const auto result =
+      supervise("trap 'kill -TERM $(cat " + (folder_ / "ply_1").string() +
+                    "); echo stopped; exit 5' INT; echo bound x; "
+                    "while [ ! -s " +
+                    (folder_ / "ply_1").string() +
+                    " ]; do sleep 0.05; done; kill -INT $PPID; "
+                    "while :; do sleep 0.05; done",
+                {shell("ply_1", "trap 'exit 5' TERM; " + remember("ply_1") + "while :; do sleep 0.05; done")});
+  EXPECT_EQ(result.exit_code, kCancelled);
+  EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("stopped"));
+  EXPECT_TRUE(is_gone("ply_1"));
+}
+
+TEST_F(FederationOfScripts, ASecondInterruptKills) {
+  const auto result = supervise(remember("coordinator") +
+                                    "trap '' INT TERM; echo bound x; kill -INT $PPID; sleep 0.3; "
+                                    "kill -INT $PPID; while :; do sleep 1; done",
+                                {shell("ply_1", "trap '' TERM; " + remember("ply_1") + "while :; do sleep 1; done")});
+  EXPECT_EQ(result.exit_code, kCancelled);
+  EXPECT_TRUE(is_gone("coordinator"));
+}
+
+TEST_F(FederationOfScripts, AMissingProgramIsNamed) {
+  EXPECT_THROW(
+      {
+        try {
+          supervise("echo bound x; exec sleep 600", {{"ply_1", {"/no/such/program"}}});
+        } catch (const std::system_error& e) {
+          EXPECT_THAT(e.what(), HasSubstr("/no/such/program"));
+          throw;
+        }
+      },
+      std::system_error);
+}
+
+}  // namespace
+}  // namespace interply::launch

@@ -1,0 +1,171 @@
+"""Checks a record of SampleRun (sample_run.hpp) with plain h5py, or its sidecar with VTK.
+
+check_record.py values RECORD FRAMES ROWS STATUS   every value of the first FRAMES frames, NaN beyond
+check_record.py prefix RECORD FRAMES               the same of a broken-off record, whatever lies beyond
+check_record.py attributes RECORD                  unit and description on every dataset
+check_record.py xdmf SIDECAR FRAMES                the sidecar, resolved as XDMF 2 says
+check_record.py vtk SIDECAR FRAMES                 what vtkXdmfReader makes of it; exits with 77 where VTK has none
+"""
+
+import os
+import sys
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+
+NO_READER = 77
+OWNERS = {"layers/ply_1": 0, "layers/sheet": 1, "interfaces/ply_1|sheet": 10, "interfaces/die|ply_1": 11}
+LAYER_FIELDS = [("stress", 3, False), ("thickness", 1, False), ("fibre____pair_", 2, False), ("velocity", 3, True)]
+INTERFACE_FIELDS = [("pressure", 1, True), ("tangential_traction", 3, True)]
+
+
+def expected(owner, field, frames, points, components):
+    """[frames, points(, components)]"""
+    k, p, c = np.ogrid[:frames, :points, :components]
+    values = owner * 1e6 + field * 1e5 + k * 1e3 + c * 100.0 + p * 0.5
+    return values[:, :, 0] if components == 1 else values
+
+
+def check_values(path, frames, rows=None, status="running"):
+    """rows None: what the file says, and frames and rows beyond may have been begun."""
+    with h5py.File(path, "r") as f:
+        whole = rows is not None
+        rows = rows if whole else f["history/rows_complete"][()]
+
+        def check_frames(dataset, values):
+            n = len(values)
+            np.testing.assert_array_equal(dataset[:n], values, dataset.name)
+            assert not whole or np.isnan(dataset[n:]).all(), f"{dataset.name} is not NaN beyond {n}"
+
+        assert f["status"][()].decode() == status, f["status"][()]
+        assert f["frames_complete"][()] == frames, f["frames_complete"][()]
+        assert f["history/rows_complete"][()] == rows, f["history/rows_complete"][()]
+        assert [s.decode() for s in f["scene/layers"]] == ["ply_1", "sheet"]
+        check_frames(f["time"], 0.5 * np.arange(frames))
+        np.testing.assert_array_equal(f["step"][:frames], 100 * np.arange(frames))
+        for group, owner in OWNERS.items():
+            layer = f["layers/ply_1" if group.startswith("interfaces") else group]
+            nodes, elements = len(layer["reference"]), len(layer["triangles"])
+            for i, (name, components, nodal) in enumerate(LAYER_FIELDS if owner < 10 else INTERFACE_FIELDS):
+                points = nodes if nodal else elements
+                check_frames(f[group][name], expected(owner, i, frames, points, components))
+            if owner < 10:
+                k = np.arange(frames)[:, None, None]
+                check_frames(f[group]["position"], f[group]["reference"][()] + k * np.array([0.001, 0, -1.0]))
+        check_frames(f["tools/punch/position"], 20e6 + 1e3 * np.arange(frames))
+        check_frames(f["history/stroke"], 2.0 * np.arange(rows))
+        check_frames(f["history/votes"], np.arange(rows)[:, None] * np.array([7.0, 8.0]))
+        check_frames(f["history/interface_residual"], np.arange(rows)[:, None] * np.array([13.0, 14.0]))
+
+
+def check_attributes(path):
+    seen = []
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            seen.append(name)
+            for key in ("unit", "description"):
+                assert item.attrs.get(key), f"{name} has no {key}"
+
+    with h5py.File(path, "r") as f:
+        f.visititems(visit)
+    assert len(seen) > 50, seen
+
+
+def read_item(item, folder):
+    """Numbers of an XDMF DataItem, read as the XDMF 2 specification says."""
+    dimensions = [int(n) for n in item.get("Dimensions").split()]
+    if item.get("ItemType") == "HyperSlab":
+        selection, source = item.findall("DataItem")
+        start, stride, count = np.reshape([int(n) for n in selection.text.split()], (3, -1))
+        data = read_item(source, folder)
+        data = data[tuple(slice(b, b + n * s, s) for b, s, n in zip(start, stride, count))]
+        return data.reshape(dimensions)
+    file, dataset = item.text.split(":", 1)
+    with h5py.File(os.path.join(folder, file), "r") as f:
+        data = f[dataset][()]
+    assert list(data.shape) == dimensions, (item.text, data.shape, dimensions)
+    return data
+
+
+def check_grid(name, position, triangles, fields, layer, owner, k):
+    """What a viewer shows of one grid; fields: {(name, centre): values}."""
+    np.testing.assert_allclose(position, layer["position"][k], atol=1e-6)
+    np.testing.assert_array_equal(triangles, layer["triangles"])
+    wanted = LAYER_FIELDS if owner < 10 else INTERFACE_FIELDS
+    assert len(fields) == len(wanted), (name, list(fields))
+    for i, (safe, components, nodal) in enumerate(wanted):
+        key = ("fibre & <pair>" if safe.startswith("fibre") else safe, "Node" if nodal else "Cell")
+        assert key in fields, f"{name} shows no {key} but {list(fields)}"
+        points = len(position) if nodal else len(triangles)
+        np.testing.assert_array_equal(fields[key], expected(owner, i, k + 1, points, components)[k], str(key))
+
+
+def check_xdmf(path, frames):
+    folder = os.path.dirname(path)
+    collection = ElementTree.parse(path).getroot().find("Domain/Grid")
+    assert collection.get("CollectionType") == "Temporal"
+    instants = collection.findall("Grid")
+    np.testing.assert_allclose([float(i.find("Time").get("Value")) for i in instants], 0.5 * np.arange(frames))
+    with h5py.File(path.replace(".xdmf", ".h5"), "r") as f:
+        for k, instant in enumerate(instants):
+            grids = instant.findall("Grid")
+            assert [g.get("Name") for g in grids] == [group.split("/")[1] for group in OWNERS]
+            for grid, (group, owner) in zip(grids, OWNERS.items()):
+                fields = {(a.get("Name"), a.get("Center")): read_item(a.find("DataItem"), folder)
+                          for a in grid.findall("Attribute")}
+                check_grid(group, read_item(grid.find("Geometry/DataItem"), folder),
+                           read_item(grid.find("Topology/DataItem"), folder), fields,
+                           f["layers/ply_1" if owner >= 10 else group], owner, k)
+
+
+def check_vtk(path, frames):
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    try:
+        from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+    except ImportError:
+        sys.exit(NO_READER)
+    reader = vtkXdmfReader()
+    reader.SetFileName(path)
+    reader.UpdateInformation()
+    information = reader.GetOutputInformation(0)
+    key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+    times = [information.Get(key, i) for i in range(information.Length(key))]
+    np.testing.assert_allclose(times, 0.5 * np.arange(frames))
+    with h5py.File(path.replace(".xdmf", ".h5"), "r") as f:
+        for k, time in enumerate(times):
+            reader.UpdateTimeStep(time)
+            blocks = reader.GetOutputDataObject(0)
+            assert blocks.GetNumberOfBlocks() == len(OWNERS), blocks.GetNumberOfBlocks()
+            for b, (group, owner) in enumerate(OWNERS.items()):
+                name = blocks.GetMetaData(b).Get(vtk.vtkCompositeDataSet.NAME())
+                assert group.endswith("/" + name), (group, name)
+                grid = blocks.GetBlock(b)
+                cells = range(grid.GetNumberOfCells())
+                triangles = np.array([[grid.GetCell(e).GetPointId(c) for c in range(3)] for e in cells])
+                fields = {(data.GetArrayName(i), centre): vtk_to_numpy(data.GetArray(i))
+                          for centre, data in (("Node", grid.GetPointData()), ("Cell", grid.GetCellData()))
+                          for i in range(data.GetNumberOfArrays())}
+                position = vtk_to_numpy(grid.GetPoints().GetData())
+                bounds = np.column_stack([position.min(axis=0), position.max(axis=0)]).ravel()
+                np.testing.assert_allclose(grid.GetBounds(), bounds)
+                check_grid(group, position, triangles, fields, f["layers/ply_1" if owner >= 10 else group], owner, k)
+
+
+if __name__ == "__main__":
+    command, file, *rest = sys.argv[1:]
+    if command == "values":
+        check_values(file, int(rest[0]), int(rest[1]), rest[2])
+    elif command == "prefix":
+        check_values(file, int(rest[0]))
+    elif command == "attributes":
+        check_attributes(file)
+    elif command == "xdmf":
+        check_xdmf(file, int(rest[0]))
+    elif command == "vtk":
+        check_vtk(file, int(rest[0]))
+    else:
+        sys.exit(__doc__)

@@ -1,0 +1,338 @@
+#include "record/writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "record/file.hpp"
+#include "record/reader.hpp"
+#include "sample_run.hpp"
+
+namespace interply::record {
+namespace {
+
+using test::run_check;
+using test::sample_value;
+using test::SampleRun;
+using test::TemporaryFolder;
+
+void put_whole_run(observe::Sink& sink, const SampleRun& run) {
+  run.put_start(sink);
+  const int frames = run.header().frames + 1;
+  for (int k = 0; k < frames; ++k) run.put_frame(sink, k);
+  for (int i = 0; i < run.header().history_capacity; ++i) sink.put(run.history_row(i));
+  sink.put(run.end(frames));
+}
+
+TEST(RecordWriter, ReaderFindsEveryValueWritten) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  {
+    RecordWriter writer(folder / "record.h5");
+    put_whole_run(writer, run);
+    EXPECT_TRUE(writer.is_complete());
+    EXPECT_EQ(writer.describe_missing(), "");
+  }
+  const RecordReader reader(folder / "record.h5");
+  EXPECT_EQ(reader.frames_complete(), 4);
+  EXPECT_EQ(reader.rows_complete(), 6);
+  EXPECT_EQ(reader.read_text("status"), "done");
+  EXPECT_EQ(reader.read_text("message"), "All is well.");
+  EXPECT_EQ(reader.read_text("digest"), "feedbeef");
+  EXPECT_EQ(reader.read_text("scene/text"), run.header().scene_text);
+  EXPECT_EQ(reader.read_text("layers/sheet/kind"), "metal");
+  EXPECT_EQ(reader.layers(), run.header().layers);
+  EXPECT_EQ(reader.interfaces(), run.header().interfaces);
+  EXPECT_THAT(reader.times(), testing::ElementsAre(0, 0.5, 1.0, 1.5));
+  EXPECT_TRUE((reader.read_triangles("sheet") == run.mesh(1).triangles).all());
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_TRUE((reader.read_position("ply_1", k) == run.layer_frame(0, k).position).all());
+    const Numbers stress = reader.read_layer_field("sheet", "stress", k);
+    EXPECT_EQ(stress.unit, "MPa");
+    ASSERT_THAT(stress.shape, testing::ElementsAre(50, 3));
+    for (int p = 0; p < 50; ++p) {
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(stress.values[3 * p + c], sample_value(1, 0, k, c, p));
+    }
+    const Numbers pressure = reader.read_interface_field("die|ply_1", "pressure", k);
+    ASSERT_THAT(pressure.shape, testing::ElementsAre(25));
+    for (int p = 0; p < 25; ++p) EXPECT_EQ(pressure.values[p], sample_value(11, 0, k, 0, p));
+  }
+  EXPECT_THAT(reader.read_history("dt").values, testing::ElementsAre(1e-7, 2e-7, 1e-7 * 3, 4e-7, 5e-7, 1e-7 * 6));
+  EXPECT_THAT(reader.read_history("layer_kinetic").shape, testing::ElementsAre(6, 2));
+  EXPECT_THROW(reader.read_layer_field("sheet", "stress", 4), std::runtime_error);
+  EXPECT_THROW(reader.read_layer_field("sheet", "strain", 0), std::runtime_error);
+  EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 6 done"), 0);
+}
+
+TEST(RecordWriter, EveryDatasetHasUnitAndDescription) {
+  const TemporaryFolder folder;
+  RecordWriter writer(folder / "record.h5");
+  put_whole_run(writer, SampleRun());
+  writer.close();
+  EXPECT_EQ(run_check("attributes " + (folder / "record.h5").string()), 0);
+}
+
+TEST(RecordWriter, OrderOfArrivalDoesNotMatter) {
+  const SampleRun run;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const TemporaryFolder folder;
+    RecordWriter writer(folder / "record.h5");
+    // Frames of one participant stay in order, as does the history; everything else may overtake.
+    std::vector<std::vector<std::function<void()>>> queues(8);
+    queues[0] = {[&] { writer.put(run.header()); }};
+    queues[7] = {[&] { writer.put(run.end(4)); }};
+    for (int l = 0; l < 2; ++l) queues[1 + l].push_back([&, l] { writer.put(run.mesh(l)); });
+    for (int k = 0; k < 4; ++k) {
+      for (int l = 0; l < 2; ++l) queues[1 + l].push_back([&, l, k] { writer.put(run.layer_frame(l, k)); });
+      for (int i = 0; i < 2; ++i) queues[3 + i].push_back([&, i, k] { writer.put(run.interface_frame(i, k)); });
+      queues[5].push_back([&, k] { writer.put(run.tool_frame(k)); });
+    }
+    for (int i = 0; i < 6; ++i) queues[6].push_back([&, i] { writer.put(run.history_row(i)); });
+    std::mt19937 random(seed);
+    while (!queues.empty()) {
+      const std::size_t pick = random() % queues.size();
+      queues[pick].front()();
+      queues[pick].erase(queues[pick].begin());
+      if (queues[pick].empty()) queues.erase(queues.begin() + static_cast<long>(pick));
+    }
+    EXPECT_TRUE(writer.is_complete());
+    writer.close();
+    ASSERT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 6 done"), 0) << "seed " << seed;
+  }
+}
+
+TEST(RecordWriter, FileIsValidAtEveryInstant) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  int checked = 0;
+  // What a killed writer leaves: the bytes of the file at that moment.
+  const auto check_copy = [&](int frames, int rows) {
+    if (!std::filesystem::exists(folder / "record.h5")) return;
+    std::filesystem::copy_file(folder / "record.h5", folder / "copy.h5",
+                               std::filesystem::copy_options::overwrite_existing);
+    const RecordReader reader(folder / "copy.h5");
+    EXPECT_EQ(reader.frames_complete(), frames);
+    EXPECT_EQ(reader.rows_complete(), rows);
+    EXPECT_EQ(reader.read_text("status"), "running");
+    for (int k = 0; k < frames; ++k) {
+      EXPECT_TRUE((reader.read_position("sheet", k) == run.layer_frame(1, k).position).all());
+    }
+    ++checked;
+  };
+  run.put_start(writer);
+  for (int k = 0; k < 4; ++k) {
+    writer.put(run.history_row(k));
+    check_copy(k, k + 1);
+    for (int l = 0; l < 2; ++l) {
+      writer.put(run.layer_frame(l, k));
+      check_copy(k, k + 1);
+    }
+    for (int i = 0; i < 2; ++i) {
+      writer.put(run.interface_frame(i, k));
+      check_copy(k, k + 1);
+    }
+    writer.put(run.tool_frame(k));
+    check_copy(k + 1, k + 1);
+  }
+  EXPECT_EQ(checked, 1 + 3 * 6);
+  // The record that is being written can be read in place, too.
+  EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 4);
+  EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 4 running"), 0);
+}
+
+TEST(RecordWriter, SizeOfTheFileNeverChanges) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  run.put_frame(writer, 0);
+  const auto size = std::filesystem::file_size(folder / "record.h5");
+  for (int k = 1; k < 4; ++k) run.put_frame(writer, k);
+  for (int i = 0; i < 6; ++i) writer.put(run.history_row(i));
+  writer.put(run.end(4));
+  writer.close();
+  EXPECT_EQ(std::filesystem::file_size(folder / "record.h5"), size);
+}
+
+TEST(RecordWriter, EarlyEndLeavesNaN) {
+  const TemporaryFolder folder;
+  const SampleRun run(6);
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  for (int k = 0; k < 2; ++k) run.put_frame(writer, k);
+  writer.put(run.history_row(0));
+  writer.put(observe::RunEnd{"diverged", "Element 3 of ply_1 is inverted.", "", 2});
+  EXPECT_TRUE(writer.is_complete());
+  writer.close();
+  EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 2 1 diverged"), 0);
+  const RecordReader reader(folder / "record.h5");
+  EXPECT_EQ(reader.read_text("digest"), "");
+  const Numbers position = reader.read("layers/ply_1/position");
+  EXPECT_THAT(position.shape, testing::ElementsAre(7, 25, 3));
+  EXPECT_TRUE(std::isnan(position.values.back()));
+}
+
+TEST(RecordWriter, EndBeforeTheFirstFrameIsRecorded) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  writer.put(run.header());
+  writer.put(run.mesh(0));
+  writer.put(run.layer_frame(0, 0));
+  writer.put(observe::RunEnd{"lost", "sheet did not join.", "", 0});
+  writer.close();
+  const RecordReader reader(folder / "record.h5");
+  EXPECT_EQ(reader.read_text("status"), "lost");
+  EXPECT_EQ(reader.read_text("message"), "sheet did not join.");
+  EXPECT_EQ(reader.frames_complete(), 0);
+  EXPECT_TRUE((reader.read_triangles("ply_1") == run.mesh(0).triangles).all());
+}
+
+TEST(RecordWriter, ClosedBeforeTheEndSaysInterrupted) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  run.put_frame(writer, 0);
+  writer.close();
+  EXPECT_EQ(RecordReader(folder / "record.h5").read_text("status"), "interrupted");
+}
+
+TEST(RecordWriter, RefusesToOverwriteUnlessTold) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "record.h5") << "precious";
+  try {
+    RecordWriter writer(folder / "record.h5");
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("record.h5 exists already"));
+  }
+  EXPECT_EQ(std::filesystem::file_size(folder / "record.h5"), 8u);
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5", true);
+  put_whole_run(writer, run);
+  EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 4);
+}
+
+TEST(RecordWriter, LeavesOutWhatDoesNotFit) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  observe::LayerMesh other = run.mesh(0);
+  other.layer = "stranger";
+  writer.put(other);
+  run.put_start(writer);
+  for (int k = 0; k < 2; ++k) run.put_frame(writer, k);
+
+  observe::LayerFrame stranger = run.layer_frame(0, 2);
+  stranger.layer = "stranger";
+  observe::LayerFrame beyond = run.layer_frame(0, 2);
+  beyond.frame = 4;
+  observe::LayerFrame smaller = run.layer_frame(1, 2);
+  smaller.position.conservativeResize(3, 7);
+  observe::LayerFrame renamed = run.layer_frame(1, 2);
+  renamed.fields[0].name = "strain";
+  observe::InterfaceFrame shorter = run.interface_frame(0, 2);
+  shorter.fields.pop_back();
+  observe::ToolFrame negative = run.tool_frame(2);
+  negative.frame = -1;
+  observe::ToolFrame late = run.tool_frame(2);
+  late.step = 7;
+  for (const auto& f : {stranger, beyond, smaller, renamed}) writer.put(f);
+  writer.put(shorter);
+  writer.put(negative);
+  writer.put(run.layer_frame(0, 2));
+  writer.put(late);
+  EXPECT_EQ(writer.frames_complete(), 2);
+
+  writer.put(run.layer_frame(0, 1));  // again
+  run.put_frame(writer, 2);
+  run.put_frame(writer, 3);
+  for (int i = 0; i < 9; ++i) writer.put(run.history_row(i));
+  writer.put(run.end(4));
+  writer.close();
+  EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 6 done"), 0);
+}
+
+TEST(RecordWriter, NamesWhoseFrameIsMissing) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("header"));
+  writer.put(run.header());
+  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("ended"));
+  writer.put(run.end(2));
+  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("mesh of ply_1, sheet"));
+  run.put_start(writer);
+  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("frame 0 of layer 'ply_1', layer 'sheet'"));
+  run.put_frame(writer, 0);
+  writer.put(run.layer_frame(0, 1));
+  writer.put(run.interface_frame(0, 1));
+  writer.put(run.interface_frame(1, 1));
+  writer.put(run.tool_frame(1));
+  EXPECT_EQ(writer.describe_missing(), "frame 1 of layer 'sheet' is missing");
+  EXPECT_FALSE(writer.is_complete());
+  writer.put(run.layer_frame(1, 1));
+  EXPECT_EQ(writer.describe_missing(), "");
+  EXPECT_TRUE(writer.is_complete());
+}
+
+TEST(RecordWriter, RefusesNamesThatCollideInTheFile) {
+  EXPECT_EQ(to_path_name("ply_1|ply_2"), "ply_1|ply_2");
+  EXPECT_EQ(to_path_name("a/b c:d"), "a_b_c_d");
+  EXPECT_EQ(to_path_name(".."), "_");
+  const TemporaryFolder folder;
+  Layout layout;
+  layout.header.tools = {"a/b", "a_b"};
+  EXPECT_THROW(RecordFile(folder / "record.h5", layout), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(RecordWriter, FailureToMakeTheFileLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  observe::LayerFrame bad = run.layer_frame(0, 0);
+  bad.fields[0].values.resize(3 * 7);
+  writer.put(bad);
+  writer.put(run.layer_frame(1, 0));
+  for (int i = 0; i < 2; ++i) writer.put(run.interface_frame(i, 0));
+  try {
+    writer.put(run.tool_frame(0));
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("field 'stress' of 'ply_1' has 7 values for 32 elements"));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Xdmf, SidecarDescribesEveryFrameGridAndField) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  for (int k = 0; k < 4; ++k) {
+    run.put_frame(writer, k);
+    EXPECT_EQ(run_check("xdmf " + (folder / "record.xdmf").string() + " " + std::to_string(k + 1)), 0);
+  }
+}
+
+TEST(Xdmf, VtkShowsEveryFrameGridAndField) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  for (int k = 0; k < 4; ++k) run.put_frame(writer, k);
+  const int status = run_check("vtk " + (folder / "record.xdmf").string() + " 4");
+  if (status == test::kNoReader) GTEST_SKIP() << "this VTK has no vtkXdmfReader (Debian 12 builds it without)";
+  EXPECT_EQ(status, 0);
+}
+
+}  // namespace
+}  // namespace interply::record

@@ -1,0 +1,338 @@
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "scene.pb.h"
+#include "scene/scene_test_support.hpp"
+
+namespace interply::scene {
+namespace {
+
+const std::filesystem::path kSource = INTERPLY_SOURCE_DIR;
+
+std::vector<std::filesystem::path> list_scenes() {
+  std::vector<std::filesystem::path> files;
+  for (const char* folder : {"deploy/scenes", "tests/scenes"})
+    for (const auto& entry : std::filesystem::directory_iterator(kSource / folder))
+      if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  return files;
+}
+
+Law parse_law_file(const std::string& text) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "interply_law.yaml";
+  std::ofstream(file) << text;
+  const Law law = read_law(file);
+  std::filesystem::remove(file);
+  return law;
+}
+
+std::string refuse_law_file(const std::string& text) {
+  try {
+    parse_law_file(text);
+  } catch (const SceneError& error) {
+    const std::string said = error.what();
+    return said.substr(said.find("interply_law"));
+  }
+  return "";
+}
+
+TEST(Scene, AbsentKeysTakeTheDefaultsOfTheStructs) {
+  const Scene scene = parse_scene("layers: [{name: ply, density: 1e-9, law: {woven: {}}}]", "scene.yaml");
+  const WovenLaw& law = std::get<WovenLaw>(scene.layers[0].law);
+  EXPECT_EQ(law.a.weft, WovenLaw{}.a.weft);
+  EXPECT_EQ(law.s, WovenLaw{}.s);
+  EXPECT_TRUE(std::isinf(law.strain_cap.warp));
+  EXPECT_FALSE(law.tables);
+  EXPECT_EQ(scene.layers[0].twist, 1.1);
+  EXPECT_EQ(scene.tools.die.offset, Opening{}.offset);
+  EXPECT_FALSE(scene.tools.punch);
+  EXPECT_TRUE(scene.blank.half);
+  EXPECT_EQ(scene.exchange.address, "ipc");
+}
+
+TEST(Scene, ScalarStandsForBothFibreDirections) {
+  const Law law = parse_law_file("woven: {a: 7, b: [8, 9], strain_cap: [none, 0.02], p_min: 0}");
+  const WovenLaw& woven = std::get<WovenLaw>(law);
+  EXPECT_EQ(woven.a.warp, 7);
+  EXPECT_EQ(woven.a.weft, 7);
+  EXPECT_EQ(woven.b.warp, 8);
+  EXPECT_EQ(woven.b.weft, 9);
+  EXPECT_TRUE(std::isinf(woven.strain_cap.warp));
+  EXPECT_EQ(woven.strain_cap.weft, 0.02);
+  EXPECT_EQ(woven.p_min.warp, 0);
+}
+
+TEST(Scene, TwistFollowsFromBendingUnlessGiven) {
+  const auto parse = [](const std::string& keys) {
+    return parse_scene("layers: [{name: ply, density: 1e-9, law: {woven: {}}, " + keys + "}]", "scene.yaml").layers[0];
+  };
+  EXPECT_DOUBLE_EQ(parse("bending: [4, 9]").twist, 3);  // sqrt(4 * 9) / 2
+  EXPECT_EQ(parse("bending: [4, 9], twist: 0.5").twist, 0.5);
+}
+
+TEST(Scene, EveryHardeningLawIsRead) {
+  const auto parse = [](const std::string& hardening) {
+    return std::get<J2Law>(parse_law_file("j2: {hardening: " + hardening + "}")).hardening;
+  };
+  EXPECT_EQ(std::get<Swift>(parse("{swift: {K: 500, e0: 0.01}}")).K, 500);
+  EXPECT_EQ(std::get<Swift>(parse("{swift: {K: 500, e0: 0.01}}")).n, 0.23);
+  EXPECT_EQ(std::get<Voce>(parse("{voce: {s0: 100, s_inf: 200, rate: 10}}")).rate, 10);
+  EXPECT_EQ(std::get<HockettSherby>(parse("{hockett_sherby: {s0: 100, s_inf: 200, rate: 10, n: 0.7}}")).n, 0.7);
+  const Table table{{0, 166}, {0.1, 280}};
+  EXPECT_EQ(std::get<HardeningTable>(parse("{table: [[0, 166], [0.1, 280]]}")).points, table);
+}
+
+TEST(Scene, FabricTablesAreRead) {
+  const Law law = parse_law_file(
+      "woven: {variant: fabric, tables: {warp: [[-0.1, -5], [0, 0], [0.1, 50]], weft: [[0, 0], [0.1, 40]], "
+      "shear: [[0, 0], [1, 0.2]]}}");
+  const FabricTables& tables = *std::get<WovenLaw>(law).tables;
+  EXPECT_EQ(tables.warp.size(), 3u);
+  EXPECT_EQ(tables.weft[1][1], 40);
+  EXPECT_EQ(tables.shear[1][0], 1);
+}
+
+TEST(Scene, FrictionPairsAreRead) {
+  const Scene scene =
+      parse_scene(kSmallScene + "friction: {pairs: [{between: [die, sheet], coefficient: 0.05}]}\n", "scene.yaml");
+  ASSERT_EQ(scene.contact.pairs.size(), 1u);
+  EXPECT_EQ(scene.contact.pairs[0].first, "die");
+  EXPECT_EQ(scene.contact.pairs[0].second, "sheet");
+  EXPECT_EQ(scene.contact.pairs[0].coefficient, 0.05);
+}
+
+TEST(LawFile, HoldsTheLawBareOrWrapped) {
+  EXPECT_EQ(std::get<WovenLaw>(parse_law_file("woven: {c: 12}")).c.warp, 12);
+  EXPECT_EQ(std::get<WovenLaw>(parse_law_file("law: {woven: {c: 12}}")).c.warp, 12);
+  EXPECT_EQ(std::get<J2Law>(parse_law_file("law:\n  j2: {young: 1e5}\n")).young, 1e5);
+}
+
+TEST(LawFile, MistakesAreSaidAsInAScene) {
+  EXPECT_EQ(refuse_law_file("woven:\n  p_min: 1.4\n"), "interply_law.yaml:2: woven.p_min: 1.4 is not in [0, 1]");
+  EXPECT_EQ(refuse_law_file("law:\n  woven:\n    p_min: 1.4\n"),
+            "interply_law.yaml:3: law.woven.p_min: 1.4 is not in [0, 1]");
+  EXPECT_EQ(refuse_law_file("wovn: {}\n"), "interply_law.yaml:1: wovn: unknown key; did you mean 'woven'?");
+  EXPECT_EQ(refuse_law_file("{}\n"), "interply_law.yaml:1: needs one of woven, j2");
+  EXPECT_EQ(refuse_law_file("law:\n"), "interply_law.yaml:1: law: must be a block of keys, not empty");
+  EXPECT_EQ(refuse_law_file("woven: {s: [-1, 0, 0]}\n").substr(0, 28), "interply_law.yaml:1: woven.s");
+}
+
+TEST(LawFile, ShippedSetsAreThoseOfTheFmlScene) {
+  const Scene scene = read_scene(kSource / "deploy/scenes/tetrahedron_fml.yaml");
+  const WovenLaw ply = std::get<WovenLaw>(scene.layers[1].law);
+  const WovenLaw soft = std::get<WovenLaw>(read_law(kSource / "deploy/scenes/laws/woven_soft.yaml"));
+  EXPECT_EQ(ply.a.warp, soft.a.warp);
+  EXPECT_EQ(ply.b.warp, soft.b.warp);
+  EXPECT_EQ(ply.c.weft, soft.c.weft);
+  EXPECT_EQ(ply.s, soft.s);
+  const WovenLaw stiff = std::get<WovenLaw>(read_law(kSource / "deploy/scenes/laws/woven_stiff.yaml"));
+  EXPECT_EQ(stiff.a.warp, 5.5e4);
+  EXPECT_EQ(stiff.strain_cap.weft, 0.03);
+  EXPECT_EQ(std::get<Swift>(std::get<J2Law>(read_law(kSource / "deploy/scenes/laws/dc04.yaml")).hardening).e0, 0.0065);
+}
+
+TEST(ShippedScenes, AreAcceptedWithoutWarning) {
+  const auto files = list_scenes();
+  EXPECT_GE(files.size(), 5u);
+  for (const auto& file : files) {
+    const Scene scene = read_scene(file);
+    EXPECT_EQ(find_warnings(scene), std::vector<std::string>{}) << file;
+    EXPECT_EQ(scene.name, file.stem()) << file;
+    EXPECT_EQ(scene.time.mass_scaling, 1) << file;
+  }
+}
+
+TEST(ShippedScenes, CoarseTwinDiffersInNameAndMeshOnly) {
+  for (const std::string name : {"tetrahedron_fml", "tetrahedron_fabric"}) {
+    const Scene coarse = read_scene(kSource / "deploy/scenes" / (name + "_coarse.yaml"));
+    const Scene fine = read_scene(kSource / "deploy/scenes" / (name + ".yaml"),
+                                  {"name=" + coarse.name, "blank.mesh_size=" + std::to_string(coarse.blank.mesh_size)});
+    EXPECT_EQ(fine.text, coarse.text);
+  }
+}
+
+TEST(ResolvedScene, ReadsBackToTheSameTextAndDigest) {
+  std::vector<Scene> scenes;
+  for (const auto& file : list_scenes()) scenes.push_back(read_scene(file));
+  scenes.push_back(parse_scene(
+      kSmallScene, "scene.yaml",
+      {"layers.sheet.thickness=0.1000000000000000055511151231257827", "layers.ply_1.thickness=1.2000000000000002",
+       "layers.ply_1.law.woven.strain_cap=[0.03, none]", "name=\"odd: 'name' # with\\nno\\u00e9 sense\"",
+       "exchange.address=tcp://localhost:5555", "layers.sheet.law.j2.hardening={table: [[0, 166.25], [0.1, 280]]}",
+       "tools.punch=none", "friction.pairs=[{between: [sheet, ply_1], coefficient: 0.3}]"}));
+  scenes.push_back(parse_scene(
+      kSmallScene, "scene.yaml",
+      {"layers.ply_1.law.woven={variant: fabric, tables: {warp: [[-1, -1e-30], [1, 1]], weft: [[0, 0], [1, 1]], shear: "
+       "[[0, 0], [1, 1]]}}",
+       "name='5'", "layers.sheet.law.j2.hardening={hockett_sherby: {s0: 1, s_inf: 2, rate: 3, n: 0.5}}"}));
+  for (const Scene& scene : scenes) {
+    const Scene again = parse_scene(scene.text, "resolved");
+    EXPECT_EQ(again.text, scene.text);
+    EXPECT_EQ(again.digest, scene.digest);
+    EXPECT_EQ(again.name, scene.name);
+  }
+}
+
+/// Every key of the schema that holds a value, as the paths at which the resolved scene must show it.
+void list_keys(const google::protobuf::Descriptor& type, std::vector<std::string>& keys) {
+  for (int i = 0; i < type.field_count(); ++i) {
+    const auto* inner = type.field(i)->message_type();
+    if (!type.field(i)->real_containing_oneof()) keys.push_back(type.field(i)->name());
+    if (inner && !inner->options().GetExtension(schema::list) && !type.field(i)->real_containing_oneof())
+      list_keys(*inner, keys);
+  }
+}
+
+TEST(ResolvedScene, WritesEveryKeyOfTheSchema) {
+  const Scene scene =
+      parse_scene(kSmallScene, "scene.yaml",
+                  {"friction.pairs=[{between: [sheet, ply_1], coefficient: 0.3}]",
+                   "layers.ply_1.law.woven={variant: fabric, tables: {warp: [[0, 0], [1, 1]], weft: [[0, "
+                   "0], [1, 1]], shear: [[0, 0], [1, 1]]}}"});
+  std::vector<std::string> keys;
+  list_keys(*schema::Scene::descriptor(), keys);
+  list_keys(*schema::WovenLaw::descriptor(), keys);
+  list_keys(*schema::J2Law::descriptor(), keys);
+  list_keys(*schema::Swift::descriptor(), keys);
+  EXPECT_GT(keys.size(), 70u);
+  for (const std::string& key : keys) EXPECT_NE((" " + scene.text).find(key + ":"), std::string::npos) << key;
+}
+
+TEST(ResolvedScene, DigestFollowsTheValuesNotTheirSpelling) {
+  const auto digest = [](const std::vector<std::string>& o) { return parse_scene(kSmallScene, "a", o).digest; };
+  EXPECT_EQ(digest({}), digest({"layers.sheet.thickness=1", "motion.stroke=6e1", "blank={symmetry: half}"}));
+  EXPECT_EQ(digest({}), parse_scene("# a comment\n" + kSmallScene, "b").digest);
+}
+
+/// Walks the resolved text line by line, changes each number, and expects another digest.
+TEST(ResolvedScene, DigestChangesWithEveryValue) {
+  const Scene scene = parse_scene(kSmallScene, "a", {"tools.die.offset=30", "tools.blank_holder.offset=30"});
+  std::size_t changed = 0;
+  for (std::size_t at = scene.text.find_first_of("0123456789"); at != std::string::npos;
+       at = scene.text.find_first_of("0123456789", at + 1)) {
+    if (std::string(" [").find(scene.text[at - 1]) == std::string::npos) continue;  // first digit of a number
+    const std::size_t end = scene.text.find_first_of(",]\n", at);
+    const double number = std::stod(scene.text.substr(at, end - at));
+    const bool whole = scene.text.substr(at, end - at).find_first_of(".e") == std::string::npos;
+    bool differs = false;
+    for (const double other : {number + 1, number - 1, number * (1 + 1e-9)}) {
+      if (!whole && other != number * (1 + 1e-9)) continue;
+      char word[40];
+      std::snprintf(word, sizeof word, "%.17g", other);
+      std::string text = scene.text;
+      text.replace(at, end - at, word);
+      try {
+        EXPECT_NE(parse_scene(text, "a").digest, scene.digest) << text.substr(at - 30, 60);
+        differs = true;
+        break;
+      } catch (const SceneError&) {  // out of range or not a whole number: the next candidate
+      }
+    }
+    EXPECT_TRUE(differs) << scene.text.substr(at - 30, 60);
+    changed += differs;
+  }
+  EXPECT_GT(changed, 60u);
+}
+
+TEST(Warnings, ShearWeakenedCompressionSaysItsAngle) {
+  // Without tension-shear energy and with tau = s1 g, W_S = s1 g^2 / 2; 2 d = 8.6 s_C^(2/3) W_S at 30 deg = 0.5236 rad
+  // for s1 = 1, s_C = 1000: d = 8.6 * 100 * 0.137078 / 2 = 58.94 MPa.
+  const auto warn = [](const std::string& d, const std::string& variant) {
+    return find_warnings(parse_scene(
+        kSmallScene, "a", {"layers.ply_1.law.woven={variant: " + variant + ", s: [1, 0, 0], s_T: 0, d: " + d + "}"}));
+  };
+  ASSERT_EQ(warn("58.9", "full").size(), 1u);
+  EXPECT_EQ(
+      warn("58.9", "full")[0],
+      "layers[1].law.woven: a compressed warp is unstable from a shear of 30 deg, where 2 d > 8.6 s_C^(2/3) (W_S + "
+      "W_ST) fails; raise d or lower s_C");
+  EXPECT_NE(warn("[100000, 59]", "normal_shear").at(0).find("compressed weft is unstable from a shear of 31 deg"),
+            std::string::npos);
+  EXPECT_TRUE(warn("240", "full").empty());  // 60 deg needs 235.8
+  EXPECT_TRUE(warn("58.9", "biaxial").empty());
+}
+
+TEST(Warnings, StrongBiaxialCouplingSaysItsStrain) {
+  const auto warn = [](const std::string& keys) {
+    return find_warnings(parse_scene(kSmallScene, "a", {"layers.ply_1.law.woven={" + keys + "}"}));
+  };
+  ASSERT_EQ(warn("c: [25, 52]").size(), 1u);
+  EXPECT_EQ(
+      warn("c: [25, 52]")[0],
+      "layers[1].law.woven.c: 52 makes equibiaxial tension unstable from a strain of 0.04; lower c or set strain_cap");
+  EXPECT_TRUE(warn("c: [25, 52], strain_cap: [none, 0.03]").empty());
+  EXPECT_TRUE(warn("c: 52, variant: uncoupled").empty());
+}
+
+TEST(Warnings, MeshAcrossTheFibresLocks) {
+  const auto warn = [](const std::string& angle) {
+    return find_warnings(parse_scene(kSmallScene, "a", {"layers.ply_1.orientation=" + angle, "blank.symmetry=full"}));
+  };
+  ASSERT_EQ(warn("45").size(), 1u);
+  EXPECT_EQ(
+      warn("45")[0],
+      "layers[1].orientation: 45 is not a multiple of 90 deg, so the mesh is not along the fibres and locks in shear");
+  EXPECT_TRUE(warn("90").empty());
+  EXPECT_TRUE(warn("-180").empty());
+}
+
+TEST(Warnings, MassScalingOfPureFabric) {
+  const std::string fabric = "layers: [{name: ply, density: 1e-9, law: {woven: {}}}]\ntime: {mass_scaling: 10}";
+  EXPECT_EQ(find_warnings(parse_scene(fabric, "a")).size(), 1u);
+  EXPECT_TRUE(find_warnings(parse_scene(kSmallScene, "a", {"time.mass_scaling=10"})).empty());
+}
+
+/// Damaged text is either still a scene or refused in words; it never ends the process.
+TEST(Robustness, DamagedTextNeverCrashes) {
+  const std::string whole = read_file(kSource / "deploy/scenes/tetrahedron_fml.yaml");
+  const std::string alphabet = "{}[]:,-&*#|>'\"%@`!? \n\t0e.~\\x<=\xc3\x00";
+  std::mt19937 random(7);
+  const auto pick = [&](std::size_t n) { return random() % n; };
+  std::size_t refused = 0;
+  for (int i = 0; i < 1500; ++i) {
+    std::string text = whole;
+    if (i % 3 == 0) text.resize(pick(text.size()));
+    for (std::size_t k = i % 3 == 0 ? 0 : 1 + pick(8); k > 0; --k) {
+      const std::size_t at = pick(text.size());
+      const std::size_t kind = pick(3);
+      if (kind == 0) text[at] = alphabet[pick(alphabet.size())];
+      if (kind == 1) text.insert(at, 1, alphabet[pick(alphabet.size())]);
+      if (kind == 2) text.erase(at, 1 + pick(20));
+    }
+    try {
+      parse_scene(text, "scene.yaml");
+    } catch (const SceneError& error) {
+      EXPECT_NE(std::string(error.what()), "");
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 500u);
+}
+
+TEST(Robustness, AliasesThatMultiplyAreRefused) {
+  std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n", deep = "b0: &b0 [x]\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string last = "*a" + std::to_string(i - 1), name = std::to_string(i);
+    text += "a" + name + ": &a" + name + " [" + last + ", " + last + ", " + last + ", " + last + "]\n";
+    deep += "b" + name + ": &b" + name + " [*b" + std::to_string(i - 1) + "]\n";
+  }
+  EXPECT_NE(refuse(text).find("too many values"), std::string::npos);
+  EXPECT_NE(refuse(deep).find("nested too deeply"), std::string::npos);
+  EXPECT_NE(refuse("a: " + std::string(100000, '[')), "");
+}
+
+TEST(Robustness, DamagedOverridesNeverCrash) {
+  const std::string whole = "layers.ply_1.law.woven.strain_cap[0]={a: [1, 2]}";
+  std::mt19937 random(11);
+  for (int i = 0; i < 1000; ++i) {
+    std::string override = whole;
+    for (int k = 0; k < 3; ++k) override[random() % override.size()] = ".[]=:{a1\n"[random() % 9];
+    try {
+      parse_scene(kSmallScene, "scene.yaml", {override});
+    } catch (const SceneError&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace interply::scene

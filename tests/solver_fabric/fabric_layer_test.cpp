@@ -1,0 +1,270 @@
+#include "solver_fabric/fabric_layer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/fabric_cases.hpp"
+
+namespace interply {
+namespace {
+
+using namespace fabric_cases;
+using fabric::FabricLayer;
+using mechanics::NodalVectors;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Wavy, stretched and sheared at random: every branch of the law and bending take part.
+NodalVectors wavy(const mechanics::TriangleMesh& mesh, double amount, unsigned seed = 7) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> move(-amount, amount);
+  NodalVectors x = mesh.reference;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    x(2, i) += 2 * std::sin(0.15 * x(0, i)) * std::cos(0.1 * x(1, i));
+    for (int c = 0; c < 3; ++c) x(c, i) += move(random);
+  }
+  return x;
+}
+
+NodalVectors compute_forces(FabricLayer& layer, const NodalVectors& x) {
+  NodalVectors force;
+  layer.compute_internal_forces(x, 0, force);
+  return force;
+}
+
+/// dE/dx of one coordinate by differences.
+double differentiate_energy(FabricLayer& layer, NodalVectors x, int component, Eigen::Index node) {
+  NodalVectors force;
+  const double at = x(component, node);
+  return differentiate(
+      [&](double value) {
+        x(component, node) = value;
+        layer.compute_internal_forces(x, 0, force);
+        return layer.internal_energy();
+      },
+      at, 2e-4);
+}
+
+/// Largest difference between a force and the derivative of the energy over the given components.
+double find_largest_force_error(FabricLayer& layer, const NodalVectors& x, std::initializer_list<int> components) {
+  const NodalVectors force = compute_forces(layer, x);
+  double largest = 0;
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (const int c : components)
+      largest = std::max(largest, std::abs(differentiate_energy(layer, x, c, i) - force(c, i)));
+  return largest / force.abs().maxCoeff();
+}
+
+TEST(FabricLayer, ForceIsTheDerivativeOfTheEnergyOfMembraneAndBending) {
+  const auto mesh = distort(mechanics::make_rectangle({-20, 20}, {0, 30}, 10), 2);
+  for (const auto variant : {scene::Variant::Uncoupled, scene::Variant::Full, scene::Variant::Biaxial}) {
+    FabricLayer layer(make_layer(lopsided(variant), 20), 1, mesh);
+    EXPECT_LT(find_largest_force_error(layer, wavy(mesh, 0.5), {0, 1, 2}), 1e-7) << name_of(variant);
+  }
+}
+
+TEST(FabricLayer, ForceOfBendingAloneIsTheDerivativeOfItsEnergy) {
+  const auto mesh = distort(mechanics::make_rectangle({-20, 20}, {0, 30}, 10), 2);
+  scene::WovenLaw none;
+  none.variant = scene::Variant::Uncoupled;
+  none.a = none.b = none.d = {1e-9, 1e-9};
+  none.s = {1e-9, 0, 0};
+  FabricLayer layer(make_layer(none, 20), 1, mesh);
+  EXPECT_LT(find_largest_force_error(layer, wavy(mesh, 0.5), {0, 1, 2}), 1e-8);
+}
+
+TEST(FabricLayer, ForceAtASymmetryEdgeIsTheDerivativeOfTheHalfModelsEnergy) {
+  const auto mesh = distort(mechanics::make_rectangle({-20, 20}, {0, 30}, 10, 0, true), 2);
+  FabricLayer layer(make_layer(lopsided()), 1, mesh);
+  NodalVectors x = wavy(mesh, 0.5);
+  for (const int i : mesh.symmetry_nodes) x(1, i) = 0;
+  EXPECT_LT(find_largest_force_error(layer, x, {0, 1, 2}), 1e-7);
+}
+
+TEST(FabricLayer, SwappingParametersAndTurningTheFibresBy90DegreesChangesNothing) {
+  const auto mesh = distort(mechanics::make_rectangle({-20, 20}, {0, 30}, 10), 2);
+  for (const auto variant : kVariants) {
+    const auto law = lopsided(variant);
+    auto swapped = law;
+    for (auto member :
+         {&scene::WovenLaw::a, &scene::WovenLaw::b, &scene::WovenLaw::c, &scene::WovenLaw::p_min, &scene::WovenLaw::d,
+          &scene::WovenLaw::s_T, &scene::WovenLaw::s_C, &scene::WovenLaw::strain_cap})
+      std::swap((swapped.*member).warp, (swapped.*member).weft);
+    auto turned = make_layer(swapped, 110);
+    std::swap(turned.bending.warp, turned.bending.weft);
+    FabricLayer layer(make_layer(law, 20), 1, mesh), other(turned, 1, mesh);
+    const NodalVectors x = wavy(mesh, 0.5), f = compute_forces(layer, x), g = compute_forces(other, x);
+    EXPECT_LT((f - g).abs().maxCoeff(), 1e-11 * f.abs().maxCoeff()) << name_of(variant);
+    EXPECT_NEAR(layer.internal_energy(), other.internal_energy(), 1e-12 * layer.internal_energy());
+    EXPECT_NEAR(layer.compute_stable_increment(), other.compute_stable_increment(),
+                1e-10 * layer.compute_stable_increment());
+  }
+}
+
+TEST(FabricLayer, MirroredSheetBehavesAsItsMirrorImage) {
+  const auto mesh = mechanics::make_rectangle({-20, 20}, {-20, 20}, 10);
+  // reflection x -> -x of the mesh, corners reordered to stay counter-clockwise
+  auto image = mesh;
+  image.reference.row(0) *= -1;
+  image.triangles.row(1).swap(image.triangles.row(2));
+  image.neighbours.row(1).swap(image.neighbours.row(2));
+  FabricLayer layer(make_layer(lopsided(), 20), 1, mesh), mirror(make_layer(lopsided(), -20), 1, image);
+  NodalVectors x = wavy(mesh, 0.5), y = x;
+  y.row(0) *= -1;
+  NodalVectors f = compute_forces(layer, x), g = compute_forces(mirror, y);
+  g.row(0) *= -1;
+  EXPECT_LT((f - g).abs().maxCoeff(), 1e-11 * f.abs().maxCoeff());
+  const auto gamma = layer.compute_fields()[0].values, gamma_image = mirror.compute_fields()[0].values;
+  for (std::size_t e = 0; e < gamma.size(); ++e) EXPECT_NEAR(gamma[e], -gamma_image[e], 1e-13);
+}
+
+TEST(FabricLayer, CylindricalBendingAlongTheWarpStoresHalfDTimesCurvatureSquared) {
+  const auto mesh = mechanics::make_rectangle({0, 40}, {0, 20}, 2);
+  const double radius = 200;
+  NodalVectors x = mesh.reference;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const double arc = x(0, i) / radius;
+    x(0, i) = radius * std::sin(arc);
+    x(2, i) = radius * (1 - std::cos(arc));
+  }
+  for (const double orientation : {0.0, 90.0}) {
+    auto ply = make_layer(soft(scene::Variant::Uncoupled), orientation);
+    FabricLayer layer(ply, 1, mesh);
+    compute_forces(layer, x);
+    const double membrane_and_bending = layer.internal_energy();
+    ply.bending = {1e-12, 1e-12};
+    ply.twist = 1e-12;
+    FabricLayer without(ply, 1, mesh);
+    compute_forces(without, x);
+    const double stiffness = orientation == 0 ? 2.2 : 1.4;
+    // a patch at a free edge drops its missing side; inside the strip the curvature is 1/R
+    EXPECT_NEAR((membrane_and_bending - without.internal_energy()) / (0.5 * stiffness * 800 / (radius * radius)), 1,
+                0.15);
+  }
+}
+
+TEST(FabricLayer, AnyNumberOfThreadsGivesTheSameBits) {
+  const auto mesh = mechanics::make_rectangle({-60, 60}, {0, 60}, 3);  // 1600 elements, 7 blocks
+  const NodalVectors x = wavy(mesh, 0.2);
+  auto ply = make_layer(lopsided(), 20);
+  FabricLayer one(ply, 1, mesh);
+  const NodalVectors force = compute_forces(one, x);
+  const double increment = one.compute_stable_increment();
+  for (const int threads : {2, 3, 8}) {
+    ply.threads = threads;
+    FabricLayer many(ply, 1, mesh);
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      const NodalVectors other = compute_forces(many, x);
+      EXPECT_TRUE((force == other).all());
+      EXPECT_EQ(one.internal_energy(), many.internal_energy());
+      EXPECT_EQ(increment, many.compute_stable_increment());
+    }
+  }
+}
+
+std::string catch_divergence(FabricLayer& layer, const NodalVectors& x) {
+  NodalVectors force;
+  try {
+    layer.compute_internal_forces(x, 1.25e-3, force);
+  } catch (const mechanics::Divergence& e) {
+    return e.what();
+  }
+  return "no divergence";
+}
+
+TEST(FabricLayer, NaNPositionNamesLayerElementTimeQuantityAndCure) {
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  FabricLayer layer(make_layer(soft()), 1, mesh);
+  NodalVectors x = mesh.reference;
+  x(1, 8) = std::numeric_limits<double>::quiet_NaN();  // corner of the last cell
+  Eigen::Index first = 0;
+  while ((mesh.triangles.col(first) != 8).all()) ++first;
+  EXPECT_THAT(catch_divergence(layer, x),
+              AllOf(HasSubstr("layer ply_2"), HasSubstr("element " + std::to_string(first) + " "),
+                    HasSubstr("t = 0.00125 s"), HasSubstr("nan"), HasSubstr("lower time.safety")));
+}
+
+TEST(FabricLayer, FoldedElementsNameShearAngleOrAreaAndWhereTheyAre) {
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  FabricLayer layer(make_layer(soft()), 1, mesh);
+  EXPECT_THAT(catch_divergence(layer, map_in_plane(mesh, trellis(86 * kDegree))),
+              AllOf(HasSubstr("element 0 centred at ("), HasSubstr("shear angle is 86 deg"), HasSubstr("85 deg"),
+                    HasSubstr("refine the mesh")));
+  EXPECT_EQ(catch_divergence(layer, map_in_plane(mesh, trellis(84 * kDegree))), "no divergence");
+  mechanics::Matrix2 flat;
+  flat << 0.19, 0, 0, 0.1;
+  EXPECT_THAT(catch_divergence(layer, map_in_plane(mesh, flat)),
+              AllOf(HasSubstr("area ratio is 0.019"), HasSubstr("0.02")));
+}
+
+TEST(FabricLayer, OverflowingEnergyNamesTheBiaxialCoupling) {
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  FabricLayer layer(make_layer(soft()), 1, mesh);
+  mechanics::Matrix2 burst;
+  burst << 40, 0, 0, 40;
+  EXPECT_THAT(catch_divergence(layer, map_in_plane(mesh, burst)),
+              AllOf(HasSubstr("strain energy"), HasSubstr("strain_cap")));
+}
+
+TEST(FabricLayer, FirstFailedElementIsNamedForAnyNumberOfThreads) {
+  const auto mesh = mechanics::make_rectangle({-60, 60}, {0, 60}, 3);
+  NodalVectors x = mesh.reference;
+  for (const Eigen::Index i : {300, 500, 800}) x(0, i) = std::numeric_limits<double>::quiet_NaN();
+  auto ply = make_layer(soft());
+  FabricLayer one(ply, 1, mesh);
+  ply.threads = 3;
+  FabricLayer three(ply, 1, mesh);
+  EXPECT_EQ(catch_divergence(one, x), catch_divergence(three, x));
+}
+
+TEST(FabricLayer, FieldsAndSummaryReportTheState) {
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  FabricLayer layer(make_layer(lopsided()), 1, mesh);
+  mechanics::Matrix2 F;
+  F << 1.08, 0, 0, 0.97;  // warp beyond the weft's cap of 0.07, but the weft is compressed
+  compute_forces(layer, map_in_plane(mesh, F));
+  auto fields = layer.compute_fields();
+  const std::vector<std::string> names{"shear_angle",
+                                       "stretch_warp",
+                                       "stretch_weft",
+                                       "S11",
+                                       "S22",
+                                       "S12",
+                                       "energy_density",
+                                       "beyond_cap",
+                                       "smallest_hessian_eigenvalue"};
+  ASSERT_EQ(fields.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(fields[i].name, names[i]);
+    EXPECT_EQ(fields[i].values.size(), static_cast<std::size_t>(mesh.n_elements()));
+  }
+  EXPECT_NEAR(fields[1].values[0], 1.08, 1e-14);
+  EXPECT_NEAR(fields[2].values[0], 0.97, 1e-14);
+  EXPECT_EQ(fields[7].values[0], 0);
+  F << 1.08, 0, 0, 1.01;
+  compute_forces(layer, map_in_plane(mesh, F));
+  EXPECT_EQ(layer.compute_fields()[7].values[0], 1);
+  const auto summary = layer.summarise();
+  EXPECT_EQ(summary[0].name, "largest shear angle");
+  EXPECT_NEAR(summary[0].value, 0, 1e-12);
+  EXPECT_NEAR(summary[1].value, 8, 1e-12);
+  EXPECT_NEAR(summary[2].value, 1, 1e-12);
+  EXPECT_EQ(summary[3].value, 100);
+}
+
+TEST(FabricLayer, FactoryTakesLawOrientationAndMassScalingFromTheScene) {
+  scene::Scene scene;
+  scene.layers = {make_layer(soft()), make_layer(stiff(scene::Variant::Biaxial), 45)};
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  const auto plain = fabric::make_fabric_layer(scene, 1, mesh);
+  scene.time.mass_scaling = 4;
+  const auto scaled = fabric::make_fabric_layer(scene, 1, mesh);
+  EXPECT_NEAR(scaled->compute_stable_increment(), 2 * plain->compute_stable_increment(),
+              1e-12 * plain->compute_stable_increment());
+  EXPECT_LT(plain->compute_stable_increment(), fabric::make_fabric_layer(scene, 0, mesh)->compute_stable_increment());
+}
+
+}  // namespace
+}  // namespace interply

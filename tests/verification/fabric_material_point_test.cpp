@@ -1,0 +1,169 @@
+/// V1: material point under uniaxial and biaxial strain, all variants, against the paper's equations written out here.
+#include <gtest/gtest.h>
+
+#include "solver_fabric/material_point.hpp"
+#include "support/fabric_cases.hpp"
+
+namespace interply {
+namespace {
+
+using namespace fabric_cases;
+using fabric::FabricPoint;
+
+/// Tolerance on a stress: round-off, or the interpolation error of the sampled tables, 6 a h^2/8.
+double tolerance(const scene::WovenLaw& law, double value) {
+  const double h = 2.5e-4;
+  const double tables = law.variant == scene::Variant::Fabric ? 6 * std::max(law.a.warp, law.a.weft) * h * h / 8 : 0;
+  return tables + 1e-11 * (1 + std::abs(value));
+}
+
+FabricPoint stretch(const scene::WovenLaw& law, double e_a, double e_b) {
+  mechanics::Matrix2 F;
+  F << 1 + e_a, 0, 0, 1 + e_b;
+  return fabric::follow_path(law, {F}).front();
+}
+
+/// Nominal stresses, force over reference section: T = l S at zero shear.
+double warp_stress(const scene::WovenLaw& law, double e_a, double e_b) {
+  return (1 + e_a) * stretch(law, e_a, e_b).S11;
+}
+double weft_stress(const scene::WovenLaw& law, double e_a, double e_b) {
+  return (1 + e_b) * stretch(law, e_a, e_b).S22;
+}
+
+/// Tension of eq. (4) and its slope, the biaxial factor of eq. (5), (6) below the cap and its slope.
+double energy(double a, double b, double e) { return a * e * e * e + b * e * e; }
+double tension(double a, double b, double e) { return 3 * a * e * e + 2 * b * e; }
+double factor(const scene::WovenLaw& law, double c, double p_min, double e) {
+  return is_biaxial(law.variant) ? std::exp(c * e) + p_min * (1 - std::exp(c * e)) : 1;
+}
+double factor_slope(const scene::WovenLaw& law, double c, double p_min, double e) {
+  return is_biaxial(law.variant) ? (1 - p_min) * c * std::exp(c * e) : 0;
+}
+
+TEST(WovenMaterialPoint, UniaxialAtFixedWidthIsTheUniaxialTestPlusTheCouplingAcross) {
+  for (const auto variant : kVariants)
+    for (const auto& law : all_sets(variant))
+      for (const double e : {0.002, 0.01, 0.02, 0.05}) {
+        SCOPED_TRACE(name_of(variant));
+        const double warp = tension(law.a.warp, law.b.warp, e), weft = tension(law.a.weft, law.b.weft, e);
+        EXPECT_NEAR(warp_stress(law, e, 0), warp, tolerance(law, warp));
+        EXPECT_NEAR(weft_stress(law, 0, e), weft, tolerance(law, weft));
+        const double across_warp = energy(law.a.warp, law.b.warp, e) * factor_slope(law, law.c.warp, law.p_min.warp, 0);
+        const double across_weft = energy(law.a.weft, law.b.weft, e) * factor_slope(law, law.c.weft, law.p_min.weft, 0);
+        EXPECT_NEAR(weft_stress(law, e, 0), across_warp, tolerance(law, across_warp));
+        EXPECT_NEAR(warp_stress(law, 0, e), across_weft, tolerance(law, across_weft));
+      }
+}
+
+TEST(WovenMaterialPoint, UniaxialCompressionIsLinear) {
+  for (const auto variant : kVariants)
+    for (const auto& law : all_sets(variant))
+      for (const double e : {-0.002, -0.03}) {
+        EXPECT_NEAR(warp_stress(law, e, 0), 2 * law.d.warp * e, 1e-11);
+        EXPECT_NEAR(weft_stress(law, 0, e), 2 * law.d.weft * e, 1e-11);
+      }
+}
+
+TEST(WovenMaterialPoint, FreeWidthContractsUntilTheWeftIsFreeOfStress) {
+  for (const auto variant : kVariants)
+    for (const auto& law : all_sets(variant))
+      for (const double e : {0.005, 0.02, 0.04}) {
+        SCOPED_TRACE(name_of(variant));
+        // 2 d e_b + N_a(e) dk_a/de_b = 0, and the same with a and b exchanged
+        const double across_weft = find_root(
+            [&](double x) {
+              return 2 * law.d.weft * x +
+                     energy(law.a.warp, law.b.warp, e) * factor_slope(law, law.c.warp, law.p_min.warp, x);
+            },
+            -0.5, 0);
+        const double across_warp = find_root(
+            [&](double x) {
+              return 2 * law.d.warp * x +
+                     energy(law.a.weft, law.b.weft, e) * factor_slope(law, law.c.weft, law.p_min.weft, x);
+            },
+            -0.5, 0);
+        EXPECT_NEAR(weft_stress(law, e, across_weft), 0, 1e-10);
+        EXPECT_NEAR(warp_stress(law, across_warp, e), 0, 1e-10);
+        const double warp = tension(law.a.warp, law.b.warp, e) * factor(law, law.c.warp, law.p_min.warp, across_weft);
+        const double weft = tension(law.a.weft, law.b.weft, e) * factor(law, law.c.weft, law.p_min.weft, across_warp);
+        EXPECT_NEAR(warp_stress(law, e, across_weft), warp, tolerance(law, warp));
+        EXPECT_NEAR(weft_stress(law, across_warp, e), weft, tolerance(law, weft));
+      }
+}
+
+TEST(WovenMaterialPoint, BiaxialTensionStiffensByTheCouplingBelowTheCap) {
+  for (const auto variant : kVariants)
+    for (const auto& law : all_sets(variant))
+      for (const auto& [e_a, e_b] : {std::array{0.02, 0.02}, std::array{0.01, 0.025}}) {
+        SCOPED_TRACE(name_of(variant));
+        const double warp = tension(law.a.warp, law.b.warp, e_a) * factor(law, law.c.warp, law.p_min.warp, e_b) +
+                            energy(law.a.weft, law.b.weft, e_b) * factor_slope(law, law.c.weft, law.p_min.weft, e_a);
+        const double weft = tension(law.a.weft, law.b.weft, e_b) * factor(law, law.c.weft, law.p_min.weft, e_a) +
+                            energy(law.a.warp, law.b.warp, e_a) * factor_slope(law, law.c.warp, law.p_min.warp, e_b);
+        EXPECT_NEAR(warp_stress(law, e_a, e_b), warp, tolerance(law, warp));
+        EXPECT_NEAR(weft_stress(law, e_a, e_b), weft, tolerance(law, weft));
+      }
+}
+
+TEST(WovenMaterialPoint, StiffSetGivesTheNumbersOfMechanicsV1) {
+  for (const auto variant : kVariants) {
+    EXPECT_NEAR(warp_stress(stiff(variant), 0.01, 0), 24.5, 0.05);
+    const auto law = stiff(variant);
+    const double across = find_root([&](double x) { return weft_stress(law, 0.02, x); }, -0.5, 0);
+    EXPECT_NEAR(across, is_biaxial(variant) ? -0.0145 : 0, 5e-5) << name_of(variant);
+    EXPECT_NEAR(warp_stress(law, 0.02, across), is_biaxial(variant) ? 74.8 : 82, 0.05) << name_of(variant);
+    EXPECT_NEAR(warp_stress(law, 0.02, 0.02), is_biaxial(variant) ? 107 : 82, 0.5) << name_of(variant);
+  }
+}
+
+/// Eq. (1)-(11) case by case, as printed (with exp for "exp exp" and |I10|), in the invariants.
+double write_out_the_paper(const scene::WovenLaw& law, double I4, double I8, double I10) {
+  const double ea = std::sqrt(I4) - 1, eb = std::sqrt(I8) - 1, g = std::abs(I10);
+  const auto capped_exp = [](double c, double e, double cap) {
+    return e <= cap ? std::exp(c * e) : std::exp(c * cap) * (1 + c * (e - cap));
+  };
+  const bool shear = is_normal_shear(law.variant), biaxial = is_biaxial(law.variant);
+  const double xa = capped_exp(law.c.warp, eb, law.strain_cap.warp),
+               xb = capped_exp(law.c.weft, ea, law.strain_cap.weft);
+  const double WTa = energy(law.a.warp, law.b.warp, ea) * (biaxial ? xa + law.p_min.warp * (1 - xa) : 1);
+  const double WTb = energy(law.a.weft, law.b.weft, eb) * (biaxial ? xb + law.p_min.weft * (1 - xb) : 1);
+  const double WCa = law.d.warp * ea * ea, WCb = law.d.weft * eb * eb;
+  const double WS = law.s[0] * g * g / 2 + law.s[1] * g * g * g / 3 + law.s[2] * g * g * g * g / 4;
+  const double WSTa = shear ? g * g * g / 3 * law.s_T.warp * std::pow(I4 - 1, 2) : 0;
+  const double WSTb = shear ? g * g * g / 3 * law.s_T.weft * std::pow(I8 - 1, 2) : 0;
+  const double ka = shear ? std::exp(law.s_C.warp * std::pow(I4 - 1, 3)) : 1;
+  const double kb = shear ? std::exp(law.s_C.weft * std::pow(I8 - 1, 3)) : 1;
+  if (I4 > 1 && I8 > 1) return WTa + WTb + WS + WSTa + WSTb;
+  if (I4 > 1) return WTa + WCb + (WS + WSTa) * kb;
+  if (I8 > 1) return WCa + WTb + (WS + WSTb) * ka;
+  return WCa + WCb + WS * ka * kb;
+}
+
+TEST(WovenMaterialPoint, EnergyIsThePapersInAllFourBranches) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> strain(-0.1, 0.1), angle(-80 * kDegree, 80 * kDegree);
+  for (const auto variant : kVariants) {
+    if (variant == scene::Variant::Fabric) continue;
+    for (const auto& law : all_sets(variant))
+      for (int i = 0; i < 400; ++i) {
+        const double la = 1 + strain(random), lb = 1 + strain(random), gamma = angle(random);
+        mechanics::Matrix2 F;
+        F << la, lb * std::sin(gamma), 0, lb * std::cos(gamma);
+        const FabricPoint p = fabric::follow_path(law, {F}).front();
+        const double W = write_out_the_paper(law, la * la, lb * lb, gamma);
+        EXPECT_NEAR(p.W, W, 1e-12 * (1 + W)) << name_of(variant);
+        EXPECT_NEAR(p.gamma, gamma, 1e-14);
+      }
+  }
+}
+
+TEST(WovenMaterialPoint, EquibiaxialTensionLosesConvexityAtAbout2OverC) {
+  scene::WovenLaw law = stiff(scene::Variant::Biaxial);
+  law.strain_cap = scene::WovenLaw{}.strain_cap;  // none: the paper's law
+  const double strain = find_root([&](double e) { return -stretch(law, e, e).smallest_eigenvalue; }, 0.01, 0.2);
+  EXPECT_NEAR(strain, 2.08 / law.c.warp, 0.1 * 2.08 / law.c.warp);  // MECHANICS 1: "~ 2.08/c"
+}
+
+}  // namespace
+}  // namespace interply
