@@ -85,7 +85,7 @@ class Run {
         const auto wait_start = Waiting::Clock::now();
         const Event event = next_event();
         waited += std::chrono::duration<double>(Waiting::Clock::now() - wait_start).count();
-        if (event.kind == Event::Kind::Moved) take(event.who);
+        if (event.kind == Event::Kind::Moved) take_or_keep(event.who);
         check_patience();
       }
       forming_.finish_step();
@@ -124,6 +124,14 @@ class Run {
         break;
     }
     return event;
+  }
+
+  /// A layer that was answered early may be a step ahead of the others: its motion waits for the next step.
+  void take_or_keep(int who) {
+    if (is_here_[static_cast<std::size_t>(who)])
+      early_.push_back(who);
+    else
+      take(who);
   }
 
   void take(int who) {
@@ -188,7 +196,7 @@ class Run {
   const std::function<void(const std::string&)>& log_;
   Forming forming_;
   std::vector<bool> is_here_;
-  std::vector<int> early_;
+  std::vector<int> early_;  ///< layers whose motion of the next step is already here
   std::vector<exchange::Final> finals_;
   Waiting waiting_;
   Waiting::Clock::time_point last_report_{}, first_report_ = Waiting::Clock::now();

@@ -30,9 +30,12 @@ struct EnergyBalance {
   }
 };
 
-inline EnergyBalance assemble_balance(const std::vector<exchange::LayerEnergies>& layers,
-                                      const CoordinatorEnergies& own) {
-  EnergyBalance b;
+/// Sums up `b` anew; allocates nothing once its vectors have their size.
+inline void assemble_balance(const std::vector<exchange::LayerEnergies>& layers, const CoordinatorEnergies& own,
+                             EnergyBalance& b) {
+  b.kinetic = b.internal = b.contact = b.friction = b.damping = b.thinning = 0;
+  for (std::vector<double>* v : {&b.layer_kinetic, &b.layer_internal, &b.layer_residual}) v->clear();
+  b.interface_residual.clear();
   for (const exchange::LayerEnergies& e : layers) {
     b.kinetic += e.kinetic;
     b.internal += e.internal;
@@ -50,7 +53,6 @@ inline EnergyBalance assemble_balance(const std::vector<exchange::LayerEnergies>
   b.kinetic += own.blank_holder.kinetic;
   b.damping += own.blank_holder.damping;
   b.external = own.punch_work + own.blank_holder.load;
-  return b;
 }
 
 }  // namespace interply::coordinator

@@ -56,6 +56,7 @@ Stack::Stack(const scene::Scene& scene) : scene_(scene), layers_(scene.layers.si
     g.half_thickness = Scalars::Constant(slot.mesh.n_nodes(), 0.5 * layer.thickness);
     g.mass = mechanics::compute_lumped_mass(slot.mesh, layer.thickness, layer.density * scene.time.mass_scaling);
     slot.normals = std::make_unique<contact::VertexNormals>(slot.mesh);
+    g.normals = slot.normals.get();
     slot.normals->compute(g.position, g.normal);
     mass_ += g.mass.sum();
     height += layer.thickness;

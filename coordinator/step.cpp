@@ -16,6 +16,7 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
       pace_(scene),
       holder_(scene.tools.blank_holder, stack_.flange_area(), scene.tools.blank_holder.mass_ratio * stack_.mass(),
               stack_.stiffness()),
+      layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
@@ -32,6 +33,7 @@ void Forming::begin_step() {
 bool Forming::take_motion(int who) {
   const exchange::Motion& motion = link_.motion(who);
   stack_.accept(who, motion, pace_.dt());
+  layer_energies_[static_cast<std::size_t>(who)] = motion.energies;
   step_sums_[static_cast<std::size_t>(who)] += motion.step_seconds;
   wait_sums_[static_cast<std::size_t>(who)] += motion.wait_seconds;
   if (pace_.step() == 0) {  // nobody knows the first increment before all votes are in
@@ -72,9 +74,7 @@ void Forming::finish_step() {
 
 void Forming::check_balance() {
   constexpr double kNegligible = 1.0;  // mJ; below, a ratio of round-off says nothing
-  std::vector<exchange::LayerEnergies> layers;
-  for (int i = 0; i < stack_.n_layers(); ++i) layers.push_back(link_.motion(i).energies);
-  balance_ = assemble_balance(layers, energies_);
+  assemble_balance(layer_energies_, energies_, balance_);
   scale_ = std::max(scale_, balance_.scale());
   residual_ = balance_.residual() / std::max(scale_, kNegligible);
   largest_residual_ = std::max(largest_residual_, std::abs(residual_));
@@ -110,7 +110,9 @@ void Forming::publish_frame() {
 EnergyBalance Forming::balance_end(const std::vector<exchange::Final>& finals) const {
   std::vector<exchange::LayerEnergies> layers;
   for (const exchange::Final& f : finals) layers.push_back(f.energies);
-  return assemble_balance(layers, energies_);
+  EnergyBalance balance;
+  assemble_balance(layers, energies_, balance);
+  return balance;
 }
 
 void Forming::put_history_row(const EnergyBalance& b) {

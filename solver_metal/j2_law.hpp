@@ -12,6 +12,7 @@
 /// monotonically, so without softening (J3) has exactly one root.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "solver_metal/hardening.hpp"
@@ -64,11 +65,12 @@ inline double update_plastic_strain(const J2Constants& law, double quarter_a2, d
   // first guess: exact for linear hardening where ka = kb
   const double rate = (quarter_a2 * ka + shear2 * kb) / (trial * trial);
   const double guess = excess / (rate + point.yield.slope);
-  double l = guess / (trial - rate * guess);
+  double l = std::clamp(guess / (trial - rate * guess), 0.0, high);
   double p = point.plastic_strain;
   YieldStress y = point.yield;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double da = 1 / (1 + ka * l), db = 1 / (1 + kb * l);
+    const double fa = 1 + ka * l, fb = 1 + kb * l, inverse = 1 / (fa * fb);  // one division for both of (J2)
+    const double da = fb * inverse, db = fa * inverse;
     const double a2 = quarter_a2 * da * da, b2 = shear2 * db * db;
     const double equivalent = std::sqrt(a2 + b2);  // (J1), (J2)
     p = point.plastic_strain + l * equivalent;

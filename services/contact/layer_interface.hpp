@@ -1,8 +1,18 @@
-/// Contact between two neighbouring layers: the nodes of the lower one against the triangles of the upper one.
+/// Contact between two neighbouring layers: the nodes of the lower one against the smooth surface of the upper one.
+///
+/// The distance of node p is measured along its averaged vertex normal n (PITFALLS 1) to the facet it faces, plus the
+/// rise of a smooth surface above that facet, the parabola over each side that the vertex normals n_i suggest:
+///
+///   l = ((x_1 - x_p).N)/(n.N) + r      r = 1/2 sum_{i<j} w_i w_j (x_j - x_i).(n_j - n_i)                     (C1)
+///
+/// The normal force is the exact gradient of the penalty energy 1/2 k A (h - l)^2 by all nodal positions, those that
+/// only turn a normal included. So, whatever the meshes, pressure neither creates nor loses energy when nodes slide
+/// over facets, and linear and angular momentum are conserved.
 #pragma once
 
 #include <vector>
 
+#include "contact/normals.hpp"
 #include "contact/pairing.hpp"
 #include "contact/points.hpp"
 #include "mechanics/mesh.hpp"
@@ -12,6 +22,7 @@ namespace interply::contact {
 /// What contact needs to know of one layer at one instant.
 struct LayerGeometry {
   const mechanics::TriangleMesh* mesh = nullptr;
+  const VertexNormals* normals = nullptr;
   NodalVectors position;   ///< x(n)                        [3 x n_nodes] mm
   NodalVectors increment;  ///< x(n) - x(n - 1)             [3 x n_nodes] mm
   NodalVectors normal;     ///< averaged vertex normals, up [3 x n_nodes]
@@ -45,6 +56,7 @@ class LayerInterface {
   std::vector<Facing> facing_;
   NodalVectors force_on_lower_, force_on_upper_;
   NodalVectors old_force_on_lower_, old_force_on_upper_;
+  NodalVectors pull_on_lower_, pull_on_upper_;  ///< derivative of the energy by the normals [3 x n_nodes] mJ
   InterfaceEnergies energies_;
 };
 

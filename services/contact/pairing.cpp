@@ -16,6 +16,7 @@ Projection project(const Vector3& x, const Vector3& n, const Vector3& a, const V
   p.weight[2] = n.dot(u.cross(r)) * inv;
   p.weight[0] = 1 - p.weight[1] - p.weight[2];
   p.distance = -r.dot(area) * inv;
+  p.facet_normal = area * inv;
   return p;
 }
 

@@ -12,8 +12,9 @@ inline constexpr double kEdgeMargin = 0.3;
 
 /// Projection of a point along a direction onto the plane of a triangle.
 struct Projection {
-  double weight[3] = {};  ///< barycentric, sum 1
-  double distance = 0;    ///< from the point along the direction, mm
+  double weight[3] = {};            ///< barycentric, sum 1
+  double distance = 0;              ///< from the point along the direction, mm
+  mechanics::Vector3 facet_normal;  ///< N/(n.N): the gradient of -distance by the point
 };
 
 /// @param x  point   @param n  unit direction   @param a, b, c  corners

@@ -65,7 +65,8 @@ struct PointMotion {
   double distance = 0;  ///< midsurface to midsurface (or tool) along the normal, mm
   double height = 0;    ///< distance at which they touch, mm
   double weight = 1;
-  Vector3 normal;  ///< unit
+  Vector3 normal;  ///< unit; the direction of the damper, and friction acts across it
+  Vector3 push;    ///< gradient of the distance by the partner's place: the penalty pushes along it, push.n = 1
   Vector3 slip;    ///< displacement increment of the node against its partner, mm
   double dt = 0;   ///< s; 0 at the start of a run
 };
@@ -126,7 +127,12 @@ inline Vector3 advance_point(const InterfaceLaw& law, Points& points, Eigen::Ind
     points.stick(d, i) = stick(d);
     points.traction(d, i) = traction(d);
   }
-  return m.weight * area * (traction - pressure * m.normal);
+  return m.weight * area * (traction - elastic * m.push - (pressure - elastic) * m.normal);
+}
+
+/// Elastic part of the normal force of point `i`, N: the derivative of its penalty energy by the distance.
+inline double elastic_force(const Points& points, Eigen::Index i) {
+  return points.weight(i) * points.area(i) * (points.pressure(i) - points.damping(i));
 }
 
 /// Penetration that 99 % of the touching area stays below and the largest one, mm.

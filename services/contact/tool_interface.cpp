@@ -32,6 +32,7 @@ void ToolInterface::update(double dt) {
                        .height = layer_.half_thickness(i),
                        .weight = 1,
                        .normal = -d.gradient,
+                       .push = -d.gradient,
                        .slip = slip,
                        .dt = dt};
     if (dt == 0) points_.height(i) = motion.height;

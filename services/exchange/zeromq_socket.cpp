@@ -34,9 +34,10 @@ bool take(zmq::socket_t& socket, zmq::message_t& part) {
   return retry([&] { return zmq_msg_recv(part.handle(), socket.handle(), ZMQ_DONTWAIT); });
 }
 
+constexpr std::string_view kIpc = "ipc://";
+
 /// ZeroMQ would take the path of a living coordinator away from it.
 void check_unused(const std::string& address) {
-  constexpr std::string_view kIpc = "ipc://";
   sockaddr_un name{};
   if (!address.starts_with(kIpc) || address.size() - kIpc.size() >= sizeof(name.sun_path)) return;
   name.sun_family = AF_UNIX;
@@ -67,7 +68,10 @@ struct ZeromqSocket::Parts {
     news.set(zmq::sockopt::rcvhwm, 0);  // a full queue would block the thread that moves the messages
     news.connect(kNews);
   }
-  ~Parts() { zmq_socket_monitor(socket.handle(), nullptr, 0); }
+  ~Parts() {
+    zmq_socket_monitor(socket.handle(), nullptr, 0);
+    if (!ipc_path.empty()) ::unlink(ipc_path.c_str());  // ZeroMQ leaves it behind
+  }
 
   zmq::context_t context;
   zmq::socket_t socket;
@@ -75,6 +79,7 @@ struct ZeromqSocket::Parts {
   const bool is_router;
   zmq::message_t identity, frame, part;
   bool whole = true;
+  std::string ipc_path;  ///< that we listen at
 };
 
 ZeromqSocket::ZeromqSocket(Type type) : parts_(std::make_unique<Parts>(type)) {}
@@ -95,6 +100,7 @@ void ZeromqSocket::bind(const std::string& address) {
         fmt::format("cannot bind {}: {}; give ipc://path or tcp://address:port, port * for a "
                     "free one",
                     address, zmq_strerror(errno)));
+  if (address.starts_with(kIpc)) parts_->ipc_path = address.substr(kIpc.size());
 }
 
 std::string ZeromqSocket::endpoint() const { return parts_->socket.get(zmq::sockopt::last_endpoint); }

@@ -29,6 +29,7 @@ class DdsSink : public Sink {
  public:
   /// @throws std::runtime_error with a sentence if options are unusable or no participant can be created
   explicit DdsSink(const DdsOptions& options);
+  /// Leaves at once: flush() first if what was put last matters.
   ~DdsSink() override;
 
   /// Waits until a recorder (Role::Recorder) reads all topics, or `seconds` have passed: false. What is put afterwards

@@ -43,7 +43,7 @@ std::string make_domain_config(const DdsOptions& options) {
       R"(<AllowMulticast>{1}</AllowMulticast></General>)"
       R"(<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex>{2})"
       R"(</Discovery>)"
-      R"(<Internal><SocketReceiveBufferSize max="8MB"/>)"
+      R"(<Internal><SocketReceiveBufferSize max="8MB"/><WriterLingerDuration>100ms</WriterLingerDuration>)"
       R"(<Watermarks><WhcHigh>64MB</WhcHigh><WhcHighInit>64MB</WhcHighInit></Watermarks></Internal>)",
       options.network, options.multicast ? "true" : "false", peers);
 }

@@ -38,15 +38,18 @@ struct Source {
 };
 
 /// Frame `frame` of a dataset [frames, points] or [frames, points, components].
-std::string make_slab(const Source& source, const std::string& path, int frame, std::size_t points, int components) {
+/// The comment is for VTK 9: its reader takes the first child's text as the identity of a geometry and would show one
+/// frame's mesh for all frames if that were blank space.
+std::string make_slab(const Source& source, const std::string& path, int frame, std::size_t points, int components,
+                      const std::string& comment = "") {
   const bool flat = components == 1;
   const std::string tail = flat ? "" : fmt::format(" {}", components);
   return fmt::format(
-      R"(<DataItem ItemType="HyperSlab" Dimensions="{points}{tail}"><DataItem Dimensions="3 {rank}" Format="XML">)"
-      R"({frame} {zeros} {ones} 1 {points}{tail}</DataItem><DataItem Format="HDF" NumberType="Float" Precision="8" )"
-      R"(Dimensions="{frames} {points}{tail}">{record}:/{path}</DataItem></DataItem>)",
-      fmt::arg("points", points), fmt::arg("tail", tail), fmt::arg("rank", flat ? 2 : 3), fmt::arg("frame", frame),
-      fmt::arg("zeros", flat ? "0" : "0 0"), fmt::arg("ones", flat ? "1 1" : "1 1 1"),
+      R"(<DataItem ItemType="HyperSlab" Dimensions="{points}{tail}">{comment}<DataItem Dimensions="3 {rank}" )"
+      R"(Format="XML">{frame} {zeros} {ones} 1 {points}{tail}</DataItem><DataItem Format="HDF" NumberType="Float" )"
+      R"(Precision="8" Dimensions="{frames} {points}{tail}">{record}:/{path}</DataItem></DataItem>)",
+      fmt::arg("points", points), fmt::arg("tail", tail), fmt::arg("comment", comment), fmt::arg("rank", flat ? 2 : 3),
+      fmt::arg("frame", frame), fmt::arg("zeros", flat ? "0" : "0 0"), fmt::arg("ones", flat ? "1 1" : "1 1 1"),
       fmt::arg("frames", source.frames), fmt::arg("record", escape(source.record)), fmt::arg("path", path));
 }
 
@@ -71,46 +74,55 @@ std::string make_attribute(const Source& source, const std::string& group, int f
                      make_slab(source, group + "/" + to_path_name(f.name), frame, f.points, f.components));
 }
 
-/// Fields of `group` on the deformed mesh of a layer.
-std::string make_grid(const Source& source, const std::string& name, const std::string& group, int frame,
-                      const observe::LayerMesh& mesh, const std::vector<FieldShape>& fields) {
-  const std::string layer = "layers/" + to_path_name(mesh.layer);
-  std::string grid = fmt::format(
-      "<Grid Name=\"{}\" GridType=\"Uniform\">\n"
-      "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\"><DataItem Format=\"HDF\" NumberType=\"Int\" "
-      "Precision=\"4\" Dimensions=\"{} 3\">{}:/{}/triangles</DataItem></Topology>\n"
-      "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-      escape(name), mesh.triangles.cols(), mesh.triangles.cols(), escape(source.record), layer,
-      make_slab(source, layer + "/position", frame, static_cast<std::size_t>(mesh.reference.cols()), 3));
-  for (const FieldShape& f : fields) grid += make_attribute(source, group, frame, f);
-  return grid + "</Grid>\n";
+/// A grid through time: fields of `group` on the deformed mesh of a layer.
+struct GridSource {
+  std::string name, group;
+  const observe::LayerMesh* mesh;
+  const std::vector<FieldShape>* fields;
+};
+
+std::string make_instant(const Source& source, const GridSource& grid, int frame, double time) {
+  const std::string layer = "layers/" + to_path_name(grid.mesh->layer);
+  const auto n_nodes = static_cast<std::size_t>(grid.mesh->reference.cols());
+  const std::string identity = fmt::format("<!-- {} {} -->", to_path_name(grid.group), frame);
+  std::string text = fmt::format(
+      "<Grid Name=\"{0} {1}\" GridType=\"Uniform\"><Time Value=\"{2}\"/>\n"
+      "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{3}\"><DataItem Format=\"HDF\" NumberType=\"Int\" "
+      "Precision=\"4\" Dimensions=\"{3} 3\">{4}:/{5}/triangles</DataItem></Topology>\n"
+      "<Geometry GeometryType=\"XYZ\">{6}</Geometry>\n",
+      escape(grid.name), frame, time, grid.mesh->triangles.cols(), escape(source.record), layer,
+      make_slab(source, layer + "/position", frame, n_nodes, 3, identity));
+  for (const FieldShape& f : *grid.fields) text += make_attribute(source, grid.group, frame, f);
+  return text + "</Grid>\n";
 }
 
-std::string make_time(const Source& source, const Layout& layout, int frame, double time) {
-  std::string text =
-      fmt::format("<Grid Name=\"frame {}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"{}\"/>\n",
-                  frame, time);
+std::vector<GridSource> list_grids(const Layout& layout) {
+  std::vector<GridSource> grids;
   for (const std::string& layer : layout.header.layers) {
-    text += make_grid(source, layer, "layers/" + to_path_name(layer), frame, layout.meshes.at(layer),
-                      layout.layer_fields.at(layer));
+    grids.push_back({layer, "layers/" + to_path_name(layer), &layout.meshes.at(layer), &layout.layer_fields.at(layer)});
   }
   for (std::size_t i = 0; i < layout.header.interfaces.size(); ++i) {
     const std::string& name = layout.header.interfaces[i];
-    text += make_grid(source, name, "interfaces/" + to_path_name(name), frame,
-                      layout.meshes.at(layout.header.interface_nodes_of.at(i)), layout.interface_fields.at(name));
+    grids.push_back({name, "interfaces/" + to_path_name(name),
+                     &layout.meshes.at(layout.header.interface_nodes_of.at(i)), &layout.interface_fields.at(name)});
   }
-  return text + "</Grid>\n";
+  return grids;
 }
 
 }  // namespace
 
 std::string make_xdmf(const std::string& record, const Layout& layout, const std::vector<double>& times) {
   const Source source{record, static_cast<std::size_t>(layout.header.frames) + 1};
-  std::string text =
-      "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-      "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::size_t k = 0; k < times.size(); ++k) text += make_time(source, layout, static_cast<int>(k), times[k]);
-  return text + "</Grid>\n</Domain>\n</Xdmf>\n";
+  std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
+  if (!times.empty()) {
+    for (const GridSource& grid : list_grids(layout)) {
+      text +=
+          fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", escape(grid.name));
+      for (std::size_t k = 0; k < times.size(); ++k) text += make_instant(source, grid, static_cast<int>(k), times[k]);
+      text += "</Grid>\n";
+    }
+  }
+  return text + "</Domain>\n</Xdmf>\n";
 }
 
 void write_xdmf(const std::filesystem::path& path, const std::string& record, const Layout& layout,

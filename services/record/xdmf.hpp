@@ -9,8 +9,9 @@
 
 namespace interply::record {
 
-/// XDMF 2 text: a temporal collection with one spatial collection per time: a grid per layer, then a grid per
-/// interface on the deformed nodes of the layer that carries it. All numbers stay in the HDF5 file.
+/// XDMF 2 text: a temporal collection per layer, then one per interface on the deformed nodes of the layer that carries
+/// it. (A temporal collection of spatial ones would give the blocks of VTK another name in every frame.) All numbers
+/// stay in the HDF5 file.
 /// @param record  name of the HDF5 file, relative to the sidecar
 /// @param times   of the complete frames, s
 std::string make_xdmf(const std::string& record, const Layout& layout, const std::vector<double>& times);

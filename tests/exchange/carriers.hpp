@@ -151,6 +151,20 @@ std::string get_message(Call&& call) {
   return "";
 }
 
+/// The sentence with which the coordinator refuses a join; it must see no event from it.
+inline std::string get_refusal(Table& table, const Join& join) {
+  auto link = table.connect();
+  std::string said;
+  std::atomic<bool> done{false};
+  std::thread joining([&] {
+    said = get_message<Refused>([&] { link->join(join, kPatience); });
+    done = true;
+  });
+  while (!done) EXPECT_EQ(table.coordinator().receive(0.01).kind, Event::Kind::None);
+  joining.join();
+  return said;
+}
+
 /// Joins and leaves the Joined event taken.
 inline std::unique_ptr<SolverLink> join_as(Table& table, const std::string& layer) {
   auto link = table.connect();

@@ -145,6 +145,9 @@ TEST_P(ProcessTest, AKilledCoordinatorIsNoticed) {
   EXPECT_THAT(get_message<CoordinatorLost>([&] { link->receive(force, kPatience); }),
               HasSubstr("closed the connection"));
   link->send_failure("nobody hears this");  // returns
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+  if (GetParam() == Carrier::Ipc) std::filesystem::remove(address.substr(std::string("ipc://").size()));
 }
 
 TEST_P(ProcessTest, TheSolverMayStartBeforeTheCoordinator) {

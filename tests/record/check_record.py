@@ -104,15 +104,14 @@ def check_grid(name, position, triangles, fields, layer, owner, k):
 
 def check_xdmf(path, frames):
     folder = os.path.dirname(path)
-    collection = ElementTree.parse(path).getroot().find("Domain/Grid")
-    assert collection.get("CollectionType") == "Temporal"
-    instants = collection.findall("Grid")
-    np.testing.assert_allclose([float(i.find("Time").get("Value")) for i in instants], 0.5 * np.arange(frames))
+    collections = ElementTree.parse(path).getroot().findall("Domain/Grid")
+    assert [c.get("Name") for c in collections] == [group.split("/")[1] for group in OWNERS]
     with h5py.File(path.replace(".xdmf", ".h5"), "r") as f:
-        for k, instant in enumerate(instants):
-            grids = instant.findall("Grid")
-            assert [g.get("Name") for g in grids] == [group.split("/")[1] for group in OWNERS]
-            for grid, (group, owner) in zip(grids, OWNERS.items()):
+        for collection, (group, owner) in zip(collections, OWNERS.items()):
+            assert collection.get("CollectionType") == "Temporal"
+            grids = collection.findall("Grid")
+            np.testing.assert_allclose([float(g.find("Time").get("Value")) for g in grids], 0.5 * np.arange(frames))
+            for k, grid in enumerate(grids):
                 fields = {(a.get("Name"), a.get("Center")): read_item(a.find("DataItem"), folder)
                           for a in grid.findall("Attribute")}
                 check_grid(group, read_item(grid.find("Geometry/DataItem"), folder),
@@ -121,8 +120,9 @@ def check_xdmf(path, frames):
 
 
 def check_vtk(path, frames):
-    import vtk
-    from vtk.util.numpy_support import vtk_to_numpy
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
     try:
         from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
@@ -132,7 +132,7 @@ def check_vtk(path, frames):
     reader.SetFileName(path)
     reader.UpdateInformation()
     information = reader.GetOutputInformation(0)
-    key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+    key = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
     times = [information.Get(key, i) for i in range(information.Length(key))]
     np.testing.assert_allclose(times, 0.5 * np.arange(frames))
     with h5py.File(path.replace(".xdmf", ".h5"), "r") as f:
@@ -141,7 +141,7 @@ def check_vtk(path, frames):
             blocks = reader.GetOutputDataObject(0)
             assert blocks.GetNumberOfBlocks() == len(OWNERS), blocks.GetNumberOfBlocks()
             for b, (group, owner) in enumerate(OWNERS.items()):
-                name = blocks.GetMetaData(b).Get(vtk.vtkCompositeDataSet.NAME())
+                name = blocks.GetMetaData(b).Get(vtkCompositeDataSet.NAME())
                 assert group.endswith("/" + name), (group, name)
                 grid = blocks.GetBlock(b)
                 cells = range(grid.GetNumberOfCells())

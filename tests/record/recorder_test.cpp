@@ -105,6 +105,21 @@ TEST(Recorder, RecordsARunOfSeveralParticipantsToItsEnd) {
   EXPECT_EQ(run_check("xdmf " + (folder / "record.xdmf").string() + " 4"), 0);
 }
 
+TEST(Recorder, FramesOfManyMegabytesArriveIntact) {
+  const TemporaryFolder folder;
+  const DdsOptions options = make_options("large");
+  Recorder recorder(folder, options.run);
+  DdsSink sink(options);
+  ASSERT_TRUE(sink.wait_for_reader(30));
+  const SampleRun run(3, 200);  // 40 000 nodes, 79 202 elements: 6.4 MB per frame and layer
+  run.put_start(sink);
+  for (int k = 0; k < 4; ++k) run.put_frame(sink, k);
+  sink.put(run.end(4));
+  EXPECT_TRUE(sink.flush(30));
+  EXPECT_EQ(recorder.wait(), 0) << recorder.log();
+  EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 0 done"), 0);
+}
+
 TEST(Recorder, KilledInMidRunLeavesEveryCompletedFrame) {
   const TemporaryFolder folder;
   const DdsOptions options = make_options("killed");
