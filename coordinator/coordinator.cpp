@@ -76,6 +76,7 @@ class Run {
   void form_all_steps() {
     while (true) {
       const auto step_start = Waiting::Clock::now();
+      const bool last = forming_.pace().is_last();
       double waited = 0;
       forming_.begin_step();
       if (forming_.pace().frame() >= 0) ++frames_begun_;
@@ -89,8 +90,7 @@ class Run {
         check_patience();
       }
       forming_.finish_step();
-      if (forming_.pace().is_last() && was_last_) return;
-      was_last_ = forming_.pace().is_last();
+      if (last) return;
       forming_.step_seconds = std::chrono::duration<double>(Waiting::Clock::now() - step_start).count();
       forming_.wait_seconds = waited;
       report_progress({});
@@ -202,7 +202,6 @@ class Run {
   Waiting::Clock::time_point last_report_{}, first_report_ = Waiting::Clock::now();
   double first_time_ = 0, rate_ = 0;
   int frames_begun_ = 0;
-  bool was_last_ = false;
 };
 
 }  // namespace

@@ -98,12 +98,16 @@ void Forming::measure() {
   holder_time_ += pace_.dt();
 }
 
+contact::PenetrationSample Forming::sample_penetration() const {
+  contact::PenetrationSample sample;
+  for (int k = 0; k < stack_.n_interfaces(); ++k) sample.add(stack_.points(k), stack_.thinner(k));
+  return sample;
+}
+
 void Forming::publish_frame() {
-  for (int k = 0; k < stack_.n_interfaces(); ++k) {
-    const contact::Penetration p = contact::measure_penetration(stack_.points(k));
-    penetration_.percentile_99 = std::max(penetration_.percentile_99, p.percentile_99 / stack_.thinner(k));
-    penetration_.peak = std::max(penetration_.peak, p.peak / stack_.thinner(k));
-  }
+  contact::PenetrationSample sample = sample_penetration();
+  penetration_99_ = std::max(penetration_99_, sample.compute_percentile(0.99));
+  penetration_peak_ = std::max(penetration_peak_, sample.peak());
   put_frames(scene_, stack_, pace_, sink_);
 }
 
@@ -129,9 +133,7 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.punch_force = punch_force();
   row.blank_holder_force = holder_force();
   row.blank_holder_target = holder_.target();
-  for (int k = 0; k < stack_.n_interfaces(); ++k)
-    row.peak_penetration =
-        std::max(row.peak_penetration, contact::measure_penetration(stack_.points(k)).peak / stack_.thinner(k));
+  row.peak_penetration = sample_penetration().peak();
   row.contact_vote = std::numeric_limits<double>::infinity();
   for (const Vote& vote : votes_) {
     row.votes.push_back(vote.increment);

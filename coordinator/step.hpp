@@ -39,8 +39,10 @@ class Forming {
   double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }
   double holder_force() const { return stack_.blank_holder().force.z(); }
   const BlankHolder& holder() const { return holder_; }
-  /// Largest over the frames so far: penetration / thickness of the thinner partner, 99 % of the area and peak.
-  const contact::Penetration& penetration() const { return penetration_; }
+  /// Penetration / thickness of the thinner partner: what 99 % of the contact area of all interfaces together stays
+  /// below in the worst frame so far, and the peak over all frames.
+  double penetration_99() const { return penetration_99_; }
+  double penetration_peak() const { return penetration_peak_; }
   /// Largest deviation of the blank-holder force from its target after the ramp, / target; and of its mean.
   double holder_deviation() const { return holder_deviation_; }
   double holder_mean() const { return holder_time_ > 0 ? holder_impulse_ / holder_time_ : holder_force(); }
@@ -51,6 +53,7 @@ class Forming {
   void answer(int i);
   void check_balance();
   void measure();
+  contact::PenetrationSample sample_penetration() const;
   void publish_frame();
 
   const scene::Scene& scene_;
@@ -66,7 +69,7 @@ class Forming {
   EnergyBalance balance_;
   double travel_ = 0, old_punch_force_ = 0, residual_ = 0, largest_residual_ = 0, scale_ = 0;
   double holder_deviation_ = 0, holder_impulse_ = 0, holder_time_ = 0;
-  contact::Penetration penetration_;
+  double penetration_99_ = 0, penetration_peak_ = 0;
   std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s
   double own_step_sum_ = 0, own_wait_sum_ = 0;
   std::int64_t steps_since_row_ = 0;

@@ -31,6 +31,18 @@ inline mechanics::Matrix2 compute_gradient_products(const mechanics::ShellPatche
   return g;
 }
 
+/// Q = B B^T, the products of the rows (T2) summed over the nodes. [3 x 3] 1/mm2
+inline Eigen::Matrix3d compute_kinematic_products(const FibreState& s, const mechanics::Matrix2& g) {
+  Eigen::Matrix3d q;
+  q(0, 0) = g(0, 0);
+  q(1, 1) = g(1, 1);
+  q(2, 2) = g(0, 0) / s.I4 + g(1, 1) / s.I8 - 2 * s.sin_gamma * g(0, 1) / (s.la * s.lb);
+  q(0, 1) = q(1, 0) = s.sin_gamma * g(0, 1);
+  q(0, 2) = q(2, 0) = s.cos_gamma * g(0, 1) / s.lb;
+  q(1, 2) = q(2, 1) = s.cos_gamma * g(0, 1) / s.la;
+  return q;
+}
+
 /// Largest eigenvalue of the product of two symmetric 2 x 2 matrices, one of them positive definite.
 inline double compute_largest_eigenvalue(const mechanics::Matrix2& product) {
   const double half = product.trace() / 2;
@@ -49,13 +61,7 @@ inline double compute_membrane_eigenvalue_bound(const Potential& w, const FibreS
   h(0, 0) = std::max(h(0, 0), stiffness_floor.warp);
   h(1, 1) = std::max(h(1, 1), stiffness_floor.weft);
 
-  Eigen::Matrix3d q;  // products of the rows (T2)
-  q(0, 0) = g(0, 0);
-  q(1, 1) = g(1, 1);
-  q(2, 2) = g(0, 0) / s.I4 + g(1, 1) / s.I8 - 2 * s.sin_gamma * g(0, 1) / (s.la * s.lb);
-  q(0, 1) = q(1, 0) = s.sin_gamma * g(0, 1);
-  q(0, 2) = q(2, 0) = s.cos_gamma * g(0, 1) / s.lb;
-  q(1, 2) = q(2, 1) = s.cos_gamma * g(0, 1) / s.la;
+  const Eigen::Matrix3d q = compute_kinematic_products(s, g);
   const Eigen::Matrix3d l = q.llt().matrixL();  // lambda(H Q) = lambda(L^T H L)
   const Eigen::Matrix3d product = l.transpose() * h * l;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;

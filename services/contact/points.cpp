@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 namespace interply::contact {
 
@@ -28,27 +26,24 @@ Points::Points(const Scalars& areas)
       height(Scalars::Zero(areas.size())),
       state(Eigen::ArrayXi::Zero(areas.size())) {}
 
-Penetration measure_penetration(const Points& points) {
-  std::vector<std::pair<double, double>> touching;  // penetration, area
-  double total = 0;
+void PenetrationSample::add(const Points& points, double thickness) {
   for (Eigen::Index i = 0; i < points.size(); ++i) {
-    if (!(points.gap(i) < 0)) continue;
     const double area = points.weight(i) * points.area(i);
-    touching.emplace_back(-points.gap(i), area);
-    total += area;
+    if (!(points.gap(i) < 0) || area == 0) continue;
+    depth_and_area_.emplace_back(-points.gap(i) / thickness, area);
+    peak_ = std::max(peak_, -points.gap(i) / thickness);
   }
-  if (touching.empty()) return {};
-  std::sort(touching.begin(), touching.end());
-  Penetration result{.percentile_99 = touching.back().first, .peak = touching.back().first};
-  double below = 0;
-  for (const auto& [depth, area] : touching) {
+}
+
+double PenetrationSample::compute_percentile(double fraction) {
+  std::sort(depth_and_area_.begin(), depth_and_area_.end());
+  double total = 0, below = 0;
+  for (const auto& [depth, area] : depth_and_area_) total += area;
+  for (const auto& [depth, area] : depth_and_area_) {
     below += area;
-    if (below >= 0.99 * total) {
-      result.percentile_99 = depth;
-      break;
-    }
+    if (below >= fraction * total) return depth;
   }
-  return result;
+  return peak_;
 }
 
 }  // namespace interply::contact

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "mechanics/nodal.hpp"
 
@@ -135,10 +137,18 @@ inline double elastic_force(const Points& points, Eigen::Index i) {
   return points.weight(i) * points.area(i) * (points.pressure(i) - points.damping(i));
 }
 
-/// Penetration that 99 % of the touching area stays below and the largest one, mm.
-struct Penetration {
-  double percentile_99 = 0, peak = 0;
+/// Penetrations of all touching points of several interfaces, relative to a thickness, with their areas.
+class PenetrationSample {
+ public:
+  /// Adds the points that touch, with their share of area that still faces the partner. @param thickness  mm
+  void add(const Points& points, double thickness);
+  /// Penetration / thickness that `fraction` of the touching area stays below; 0 if nothing touches.
+  double compute_percentile(double fraction);
+  double peak() const { return peak_; }  ///< largest penetration / thickness
+
+ private:
+  std::vector<std::pair<double, double>> depth_and_area_;
+  double peak_ = 0;
 };
-Penetration measure_penetration(const Points& points);
 
 }  // namespace interply::contact

@@ -151,7 +151,8 @@ void Federation::reap_ended() {
 
 void Federation::handle_end(Supervised& ended) {
   const Child& child = *ended.child;
-  if (!ended.told_to_end && !is_orderly(child) && !(is_coordinator(ended) && !bound_)) report_lost(child);
+  const bool refused_to_start = is_coordinator(ended) && !bound_ && !child.was_killed();  // its own words suffice
+  if (!ended.told_to_end && !is_orderly(child) && !refused_to_start) report_lost(child);
   if (is_coordinator(ended)) {
     handle_coordinator_end(child);
   } else if (!ended.told_to_end && child.exit_code() != kDone && suspect_ == nullptr) {

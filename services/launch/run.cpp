@@ -45,7 +45,8 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
   terminal.end_progress();
   if (!result.message.empty()) std::fprintf(stderr, "interply: %s\n", result.message.c_str());
   if (!quiet) {
-    if (!result.summary.empty()) terminal.print(result.summary + "\n");
+    if (!result.summary.empty())
+      terminal.print(result.summary.substr(0, result.summary.find_last_not_of('\n') + 1) + '\n');
     if (fs::exists(folder.record())) {
       terminal.print(fmt::format("record   {}   (in ParaView open {})", folder.record().string(),
                                  folder.sidecar().filename().string()));

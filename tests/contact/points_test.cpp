@@ -11,7 +11,13 @@ using namespace interply::contact;
 const InterfaceLaw kLaw{.stiffness = 500, .tangential = 500, .damping = 0, .friction = 0.25};
 
 PointMotion pressed(double depth, const Vector3& slip) {
-  return {.distance = 1.0 - depth, .height = 1.0, .weight = 1, .normal = Vector3::UnitZ(), .slip = slip, .dt = 1e-6};
+  return {.distance = 1.0 - depth,
+          .height = 1.0,
+          .weight = 1,
+          .normal = Vector3::UnitZ(),
+          .push = Vector3::UnitZ(),
+          .slip = slip,
+          .dt = 1e-6};
 }
 
 Points one_point(double area = 4) {
@@ -87,12 +93,15 @@ TEST(Stiffness, GivesTheAllowedPenetrationAtTheReferencePressure) {
   EXPECT_NEAR(compute_stiffness(10, 0.02, 1.0), 500, 1e-12);  // MECHANICS 4: 4 um under 2 MPa
 }
 
-TEST(Penetration, PercentileIsByArea) {
-  Points p(Scalars::Constant(1000, 1.0));
+TEST(PenetrationSample, PercentileIsByAreaAndLeavesOutWhatFacesNothing) {
+  Points p(Scalars::Constant(1001, 1.0));
   for (int i = 0; i < 1000; ++i) p.gap(i) = i < 5 ? -0.1 : -0.01;
-  const Penetration m = measure_penetration(p);
-  EXPECT_DOUBLE_EQ(m.percentile_99, 0.01);
-  EXPECT_DOUBLE_EQ(m.peak, 0.1);
+  p.gap(1000) = -5;
+  p.weight(1000) = 0;  // beyond the partner's edge
+  PenetrationSample sample;
+  sample.add(p, 0.5);
+  EXPECT_DOUBLE_EQ(sample.compute_percentile(0.99), 0.02);
+  EXPECT_DOUBLE_EQ(sample.peak(), 0.2);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "faults/programs.hpp"
-#include "record/reader.hpp"
 
 namespace interply::faults {
 namespace {

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include "faults/programs.hpp"
-#include "record/reader.hpp"
 
 namespace interply::faults {
 namespace {
@@ -14,6 +13,10 @@ struct Death {
   std::string role;
   Moment moment;
 };
+
+void PrintTo(const Death& death, std::ostream* out) {
+  *out << death.role << (death.moment == Moment::StartUp ? " at start-up" : " in mid-run");
+}
 
 class Deaths : public testing::TestWithParam<Death> {
  protected:
@@ -32,7 +35,7 @@ TEST_P(Deaths, AreNamedAndNothingIsLeft) {
     return participants.contains(GetParam().role);
   };
   if (GetParam().moment == Moment::MidRun) {
-    ASSERT_TRUE(program.wait_for_words("stroke ")) << program.said();
+    ASSERT_TRUE(program.wait_until([&] { return is_under_way(out); })) << program.said();
   }
   ASSERT_TRUE(program.wait_until(is_there)) << program.said();
   kill(participants[GetParam().role], SIGKILL);
@@ -46,7 +49,7 @@ TEST_P(Deaths, AreNamedAndNothingIsLeft) {
   });
   if (GetParam().moment == Moment::MidRun) {
     const record::RecordReader record(out / "record.h5");
-    ASSERT_GE(record.frames_complete(), 1);
+    ASSERT_GE(record.frames_complete(), 2);
     EXPECT_TRUE(record.read_position("ply_2", record.frames_complete() - 1).allFinite());
     if (GetParam().role != "recorder" && GetParam().role != "coordinator") {
       EXPECT_EQ(record.read_text("status"), "lost");
@@ -67,9 +70,11 @@ INSTANTIATE_TEST_SUITE_P(OfEveryRole, Deaths,
 TEST(DeathOfTheLauncher, TakesEveryoneAlong) {
   TemporaryFolder folder;
   const auto out = folder.path() / "out";
-  Program program("interply", {"run", kScenes / "flat_stack.yaml", "--out", out, "--set", "motion.forming_time=1"},
+  Program program("interply",
+                  {"run", kScenes / "flat_stack.yaml", "--out", out, "--set", "motion.forming_time=1", "--set",
+                   "record.frames=1000"},
                   folder.path());
-  ASSERT_TRUE(program.wait_for_words("stroke ")) << program.said();
+  ASSERT_TRUE(program.wait_until([&] { return is_under_way(out); })) << program.said();
   const auto participants = find_participants(program.pid());
   ASSERT_EQ(participants.size(), 7u);
   program.send_signal(SIGKILL);
@@ -81,7 +86,7 @@ TEST(DeathOfTheLauncher, TakesEveryoneAlong) {
   while (anyone() && std::chrono::steady_clock::now() - start < std::chrono::duration<double>(kPatience))
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(anyone());
-  EXPECT_GE(record::RecordReader(out / "record.h5").frames_complete(), 1);
+  EXPECT_GE(record::RecordReader(out / "record.h5").frames_complete(), 2);
 }
 
 TEST(SilentSolver, IsNamedByTheWaitLadderAndThenByTheDeadline) {

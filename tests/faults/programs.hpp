@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "launch/process.hpp"
+#include "record/reader.hpp"
 
 namespace interply::faults {
 
@@ -141,6 +142,11 @@ inline std::map<std::string, pid_t> find_participants(pid_t launcher) {
     }
   });
   return found;
+}
+
+/// True once a run has recorded its initial state and at least one more frame.
+inline bool is_under_way(const fs::path& out) {
+  return fs::exists(out / "record.h5") && record::RecordReader(out / "record.h5").frames_complete() >= 2;
 }
 
 inline bool is_gone(pid_t pid) { return read_command(pid).empty(); }

@@ -79,6 +79,12 @@ TEST_F(FederationOfScripts, StartsOthersOnlyWhenTheCoordinatorListens) {
   EXPECT_FALSE(fs::exists(folder_ / "ply_1"));
 }
 
+TEST_F(FederationOfScripts, ACoordinatorThatIsKilledBeforeItListensIsLost) {
+  const auto result = supervise("kill -9 $$", {});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, HasSubstr("coordinator (process "));
+}
+
 TEST_F(FederationOfScripts, NamesAKilledProcessWithItsLastLines) {
   const auto result = supervise(remember("coordinator") + "echo bound x; exec sleep 600",
                                 {shell("ply_1", remember("ply_1") + "exec sleep 600"),

@@ -88,6 +88,37 @@ TEST(StableIncrement, BoundsTheExactOneCloselyOnFlatStates) {
     }
 }
 
+TEST(StableIncrement, KinematicProductsAreThoseOfTheGradientsOfStretchAndShear) {
+  const auto mesh = distort(mechanics::make_rectangle({0, 4}, {0, 4}, 4), 0.8);
+  const auto patches = mechanics::make_shell_patches(mesh, 0.3);
+  NodalVectors x = map_in_plane(mesh, deform(1.1, 0.9, -0.6));
+  x.row(2) = 0.3 * x.row(0) - 0.2 * x.row(1);
+  for (Eigen::Index e = 0; e < mesh.n_elements(); ++e) {
+    const auto state = [&] {
+      const auto g = mechanics::compute_surface_gradient(patches, x, e);
+      return fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
+    };
+    Eigen::Matrix<double, 3, 9> B;
+    for (int k = 0; k < 3; ++k)
+      for (int c = 0; c < 3; ++c) {
+        double& coordinate = x(c, patches.nodes(k, e));
+        const double at = coordinate;
+        for (int q = 0; q < 3; ++q)
+          B(q, 3 * k + c) = differentiate(
+              [&](double value) {
+                coordinate = value;
+                const auto s = state();
+                return q == 0 ? s.la : q == 1 ? s.lb : s.gamma;
+              },
+              at, 1e-3);
+        coordinate = at;
+      }
+    const Eigen::Matrix3d Q =
+        fabric::compute_kinematic_products(state(), fabric::compute_gradient_products(patches, e));
+    EXPECT_LT((Q - B * B.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
 TEST(StableIncrement, HoldsOnDistortedWavyMeshesOfAnyOrientation) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const auto mesh = distort(mechanics::make_rectangle({0, 16}, {0, 12}, 4, 0, seed % 2 == 0), 0.8, seed);
