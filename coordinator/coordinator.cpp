@@ -35,6 +35,7 @@ class Run {
         log_(log),
         forming_(scene, link, sink),
         is_here_(scene.layers.size(), false),
+        has_ended_(scene.layers.size(), false),
         finals_(scene.layers.size()) {}
 
   Outcome form() {
@@ -99,12 +100,10 @@ class Run {
 
   void await_finals() {
     begin_waiting();
+    is_here_ = has_ended_;
     while (!everyone_is_here()) {
-      const Event event = next_event();
-      if (event.kind == Event::Kind::Ended) {
-        is_here_[static_cast<std::size_t>(event.who)] = true;
-        finals_[static_cast<std::size_t>(event.who)] = event.final;
-      }
+      next_event();
+      is_here_ = has_ended_;
       check_patience();
     }
   }
@@ -119,6 +118,10 @@ class Run {
         throw Ended{StopReason::Cancelled, event.message};
       case Event::Kind::Suspect:
         if (event.who >= 0) throw lost(event.who, event.message);
+        break;
+      case Event::Kind::Ended:  // perhaps before others have even arrived at the last step
+        has_ended_[static_cast<std::size_t>(event.who)] = true;
+        finals_[static_cast<std::size_t>(event.who)] = event.final;
         break;
       default:
         break;
@@ -195,7 +198,7 @@ class Run {
   const std::function<void(const Progress&)>& report_;
   const std::function<void(const std::string&)>& log_;
   Forming forming_;
-  std::vector<bool> is_here_;
+  std::vector<bool> is_here_, has_ended_;
   std::vector<int> early_;  ///< layers whose motion of the next step is already here
   std::vector<exchange::Final> finals_;
   Waiting waiting_;
