@@ -37,7 +37,7 @@ FabricLayer::FabricLayer(const scene::Layer& layer, double mass_scaling, const m
       lb_(mechanics::Scalars::Ones(mesh.n_elements())),
       gamma_(mechanics::Scalars::Zero(mesh.n_elements())),
       slot_force_(mechanics::NodalVectors::Zero(3, 6 * mesh.n_elements())),
-      block_energy_(static_cast<std::size_t>(count_blocks(mesh.n_elements())), 0.0),
+      block_energy_(static_cast<std::size_t>(solve::count_blocks(mesh.n_elements())), 0.0),
       failed_(block_energy_.size(), -1),
       workers_(layer.threads) {}
 
@@ -50,8 +50,9 @@ void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& positio
     if (e >= 0) throw_divergence(e, position, time);
 
   force.resize(3, position.cols());
-  workers_.for_each_block(
-      position.cols(), [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) { gather_forces(begin, end, force); });
+  workers_.for_each_block(position.cols(), [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
+    mechanics::gather_forces(patches_.gather, slot_force_, begin, end, force);
+  });
   energy_ = 0;
   for (const double w : block_energy_) energy_ += w;
 }
@@ -94,16 +95,6 @@ void FabricLayer::compute_block(const Law& law, const mechanics::NodalVectors& x
   }
   block_energy_[static_cast<std::size_t>(block)] = energy;
   failed_[static_cast<std::size_t>(block)] = failed;
-}
-
-void FabricLayer::gather_forces(Eigen::Index begin, Eigen::Index end, mechanics::NodalVectors& force) const {
-  const mechanics::Incidence& gather = patches_.gather;
-  for (Eigen::Index i = begin; i < end; ++i) {
-    Vector3 sum = Vector3::Zero();
-    for (int j = gather.start[static_cast<std::size_t>(i)]; j < gather.start[static_cast<std::size_t>(i) + 1]; ++j)
-      sum += mechanics::at(slot_force_, gather.entry[static_cast<std::size_t>(j)]);
-    for (int c = 0; c < 3; ++c) force(c, i) = sum(c);
-  }
 }
 
 void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const {

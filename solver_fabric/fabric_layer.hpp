@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "mechanics/shell_patch.hpp"
+#include "solve/blocks.hpp"
 #include "solve/layer_mechanics.hpp"
-#include "solver_fabric/blocks.hpp"
 #include "solver_fabric/membrane.hpp"
 
 namespace interply::fabric {
@@ -36,7 +36,6 @@ class FabricLayer final : public solve::LayerMechanics {
   template <typename Law>
   void compute_block(const Law& law, const mechanics::NodalVectors& x, Eigen::Index block, Eigen::Index begin,
                      Eigen::Index end);
-  void gather_forces(Eigen::Index begin, Eigen::Index end, mechanics::NodalVectors& force) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
   FibreState fibre_state(Eigen::Index e) const;
   Potential potential(Eigen::Index e) const;
@@ -59,7 +58,7 @@ class FabricLayer final : public solve::LayerMechanics {
   std::vector<Eigen::Index> failed_;    ///< first unusable element of a block or -1 [blocks]
   double energy_ = 0;                   ///< mJ
 
-  Workers workers_;
+  solve::Workers workers_;
 };
 
 /// Mechanics of layer `layer` of a scene. @pre the layer is a fabric

@@ -1,7 +1,5 @@
 #include "solver_metal/metal_layer.hpp"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -12,7 +10,6 @@ namespace interply::metal {
 
 namespace {
 
-constexpr Eigen::Index kBlock = 256;  // elements or nodes; part of the order of sums, so part of the result
 constexpr double kSmallestAreaRatio = 0.05, kLargestAreaRatio = 20;
 
 Symmetric2 load(const Rows& rows, Eigen::Index first, Eigen::Index e) {
@@ -25,8 +22,6 @@ void store(Rows& rows, Eigen::Index first, Eigen::Index e, const Symmetric2& a) 
   rows(first + 2, e) = a.m12;
 }
 
-Eigen::Index count_blocks(Eigen::Index n) { return (n + kBlock - 1) / kBlock; }
-
 }  // namespace
 
 MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanics::TriangleMesh& mesh)
@@ -35,7 +30,8 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
       rule_(make_lobatto_rule(layer.integration_points)),
       thickness0_(layer.thickness),
       patches_(mechanics::make_shell_patches(mesh, 0.0)),
-      mass_(mechanics::compute_lumped_mass(mesh, layer.thickness, density)) {
+      mass_(mechanics::compute_lumped_mass(mesh, layer.thickness, density)),
+      workers_(layer.threads) {
   const Eigen::Index n = n_elements(), points = rule_.size();
   bending_compliance_ = compute_bending_compliance(patches_, mass_, law_.poisson);
   nodal_stiffness_.resize(mesh.n_nodes());
@@ -49,25 +45,13 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
   yield_slope_ = Rows::Constant(points, n, initial.slope);
   thickness_ = mechanics::Scalars::Constant(n, layer.thickness);
   slot_force_ = mechanics::NodalVectors::Zero(3, 6 * n);
-  block_work_.resize(static_cast<std::size_t>(count_blocks(n)));
+  block_work_.resize(static_cast<std::size_t>(solve::count_blocks(n)));
   block_bad_.resize(block_work_.size());
-  if (layer.threads > 1) arena_ = std::make_unique<tbb::task_arena>(layer.threads);
-}
-
-template <typename F>
-void MetalLayer::for_each_block(Eigen::Index n, const F& f) {
-  const auto run = [&](Eigen::Index b) { f(b, b * kBlock, std::min(n, (b + 1) * kBlock)); };
-  const Eigen::Index blocks = count_blocks(n);
-  if (arena_) {
-    arena_->execute([&] { tbb::parallel_for(Eigen::Index{0}, blocks, run); });
-  } else {
-    for (Eigen::Index b = 0; b < blocks; ++b) run(b);
-  }
 }
 
 void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position, double time,
                                          mechanics::NodalVectors& force) {
-  for_each_block(n_elements(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+  workers_.for_each_block(n_elements(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
     block_bad_[block] = {};
     block_work_[block] = advance_elements(position, begin, end, block_bad_[block]);
   });
@@ -75,8 +59,9 @@ void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position
     if (bad.element >= 0) report(bad, position, time);
   for (const double work : block_work_) internal_energy_ += work;
   force.resize(3, position.cols());
-  for_each_block(position.cols(),
-                 [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) { gather_forces(force, begin, end); });
+  workers_.for_each_block(position.cols(), [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
+    mechanics::gather_forces(patches_.gather, slot_force_, begin, end, force);
+  });
 }
 
 double MetalLayer::advance_elements(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end,
@@ -156,22 +141,6 @@ void MetalLayer::add_element_forces(Eigen::Index e, const mechanics::SurfaceGrad
     slot_force_(0, (3 + k) * n + e) = far * g.t3.x();
     slot_force_(1, (3 + k) * n + e) = far * g.t3.y() * patches_.mirror_y(k, e);
     slot_force_(2, (3 + k) * n + e) = far * g.t3.z();
-  }
-}
-
-void MetalLayer::gather_forces(mechanics::NodalVectors& force, Eigen::Index begin, Eigen::Index end) const {
-  const auto& gather = patches_.gather;
-  for (Eigen::Index node = begin; node < end; ++node) {
-    double x = 0, y = 0, z = 0;
-    for (int i = gather.start[node]; i < gather.start[node + 1]; ++i) {
-      const int column = gather.entry[i];
-      x += slot_force_(0, column);
-      y += slot_force_(1, column);
-      z += slot_force_(2, column);
-    }
-    force(0, node) = x;
-    force(1, node) = y;
-    force(2, node) = z;
   }
 }
 

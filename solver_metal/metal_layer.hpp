@@ -1,12 +1,11 @@
 /// A sheet: arrays of elements and their history, advanced by the J2 law.
 #pragma once
 
-#include <oneapi/tbb/task_arena.h>
-
 #include <memory>
 #include <vector>
 
 #include "mechanics/shell_patch.hpp"
+#include "solve/blocks.hpp"
 #include "solve/layer_mechanics.hpp"
 #include "solver_metal/j2_law.hpp"
 #include "solver_metal/lobatto.hpp"
@@ -58,13 +57,8 @@ class MetalLayer : public solve::LayerMechanics {
   Resultants advance_element(Eigen::Index e, const ElementShape& now, double& work);
   void add_element_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const mechanics::Curvature& curvature,
                           const Resultants& r);
-  void gather_forces(mechanics::NodalVectors& force, Eigen::Index begin, Eigen::Index end) const;
   CornerGradients compute_corner_gradients(Eigen::Index e) const;
   [[noreturn]] void report(const BadElement& bad, const mechanics::NodalVectors& position, double time) const;
-  /// Runs f(block, begin, end) over fixed blocks of `n` items, on `threads` threads: the bits of a sum per block do not
-  /// depend on their number.
-  template <typename F>
-  void for_each_block(Eigen::Index n, const F& f);
 
   std::string name_;
   J2Constants law_;
@@ -89,7 +83,7 @@ class MetalLayer : public solve::LayerMechanics {
   mechanics::NodalVectors slot_force_;  // force on slot s of element e in column s * n_el + e [3 x 6 n_el] N
   std::vector<double> block_work_;
   std::vector<BadElement> block_bad_;
-  std::unique_ptr<tbb::task_arena> arena_;  // null: one thread
+  solve::Workers workers_;
 };
 
 /// Factory for solve::solver_main(): layer `layer` of the scene with its mass scaling.

@@ -104,4 +104,15 @@ Incidence make_incidence(const int* nodes, int slots, Eigen::Index n_elements, E
   return incidence;
 }
 
+void gather_forces(const Incidence& incidence, const NodalVectors& slot_force, Eigen::Index begin, Eigen::Index end,
+                   NodalVectors& force) {
+  for (Eigen::Index i = begin; i < end; ++i) {
+    Vector3 sum = Vector3::Zero();
+    const auto node = static_cast<std::size_t>(i);
+    for (int k = incidence.start[node]; k < incidence.start[node + 1]; ++k)
+      sum += at(slot_force, incidence.entry[static_cast<std::size_t>(k)]);
+    for (int d = 0; d < 3; ++d) force(d, i) = sum(d);
+  }
+}
+
 }  // namespace interply::mechanics

@@ -50,4 +50,9 @@ struct Incidence {
 /// Incidence of `slots` node numbers per element; `nodes` is [slots x n_elements] row-major, negative entries skipped.
 Incidence make_incidence(const int* nodes, int slots, Eigen::Index n_elements, Eigen::Index n_nodes);
 
+/// force_i = sum of the element values of node i in the order of the incidence, for nodes [begin, end).
+/// @param slot_force  value of slot s of element e in column s * n_elements + e [3 x slots * n_elements]
+void gather_forces(const Incidence& incidence, const NodalVectors& slot_force, Eigen::Index begin, Eigen::Index end,
+                   NodalVectors& force);
+
 }  // namespace interply::mechanics

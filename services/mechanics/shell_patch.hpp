@@ -5,10 +5,10 @@
 ///
 ///   kappa_ab = -sym sum_I L^I_,a (phi^I_,b . t3)                                                       (B1)
 ///
-/// with L^I_,a = dN_I/dX_a of M (the side opposite I has the outward normal -grad N_I). kappa > 0 where the surface bends towards +t3 (kappa_ab = phi_,ab . t3). Its variation
-/// moves all six patch nodes along t3 only. Free edge: the missing side is dropped. Symmetry edge: the neighbour is the
-/// triangle's own mirror image in y = 0.
-/// All gradients refer to an in-plane reference frame turned by `angle` from x (the fibre frame of a ply).
+/// with L^I_,a = dN_I/dX_a of M (the side opposite I has the outward normal -grad N_I). kappa > 0 where the surface
+/// bends towards +t3 (kappa_ab = phi_,ab . t3). Its variation moves all six patch nodes along t3 only. Free edge: the
+/// missing side is dropped. Symmetry edge: the neighbour is the triangle's own mirror image in y = 0. All gradients
+/// refer to an in-plane reference frame turned by `angle` from x (the fibre frame of a ply).
 #pragma once
 
 #include "mechanics/mesh.hpp"

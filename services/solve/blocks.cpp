@@ -1,10 +1,10 @@
-#include "solver_fabric/blocks.hpp"
+#include "solve/blocks.hpp"
 
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 
-namespace interply::fabric {
+namespace interply::solve {
 
 Workers::Workers(int threads) {
   if (threads > 1) arena_ = std::make_unique<tbb::task_arena>(threads);
@@ -19,4 +19,4 @@ void Workers::for_each_block(Eigen::Index n, const Body& body) {
   arena_->execute([&] { tbb::parallel_for(Eigen::Index{0}, count_blocks(n), run); });
 }
 
-}  // namespace interply::fabric
+}  // namespace interply::solve

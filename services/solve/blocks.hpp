@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-namespace interply::fabric {
+namespace interply::solve {
 
 /// Points per block. Fixed, so that a sum taken block by block does not depend on the number of threads.
 inline constexpr Eigen::Index kBlockSize = 256;
@@ -31,4 +31,4 @@ class Workers {
   std::unique_ptr<tbb::task_arena> arena_;  ///< none for one thread
 };
 
-}  // namespace interply::fabric
+}  // namespace interply::solve
