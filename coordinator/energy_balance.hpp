@@ -1,4 +1,5 @@
-/// The energy balance of the whole run from terms that every participant accumulated by itself (MECHANICS 3).
+/// The energy balance of the whole run from terms that every participant accumulated by itself
+/// (services/mechanics/THEORY.md).
 #pragma once
 
 #include <algorithm>

@@ -77,7 +77,8 @@ void put_frames(const scene::Scene& scene, const Stack& stack, const Pace& pace,
 Share explain_residual(const scene::Scene& scene, const EnergyBalance& balance) {
   Share worst{"none", 0};
   const auto consider = [&](const std::string& name, double value) {
-    if (!(std::abs(value) <= std::abs(worst.value))) worst = {name, value};  // a NaN is the worst
+    if (std::isnan(worst.value)) return;  // the first NaN is the worst
+    if (!(std::abs(value) <= std::abs(worst.value))) worst = {name, value};
   };
   for (std::size_t i = 0; i < balance.layer_residual.size(); ++i)
     consider("layer " + scene.layers[i].name, balance.layer_residual[i]);

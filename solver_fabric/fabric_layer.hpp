@@ -12,11 +12,12 @@
 
 namespace interply::fabric {
 
-/// Beyond these an element counts as folded (MECHANICS 1: gamma -> 90 deg is an error, not a NaN).
+/// Beyond these an element counts as folded (solver_fabric/THEORY.md: gamma -> 90 deg is an error, not a NaN).
 inline constexpr double kFoldedCosine = 0.08715574274765817;  ///< cos 85 deg
 inline constexpr double kFoldedAreaRatio = 0.02;              ///< current / reference area
 
-/// Woven ply with decoupled membrane and bending (MECHANICS 1). Bending is orthotropic in the reference fibre frame,
+/// Woven ply with decoupled membrane and bending (solver_fabric/THEORY.md). Bending is orthotropic in the reference
+/// fibre frame,
 ///   m11 = D_a kappa11,  m22 = D_b kappa22,  m12 = twist 2 kappa12,
 /// on the rotation-free patches of mechanics/shell_patch.hpp. Hyperelastic, so the only state is the last position.
 class FabricLayer final : public solve::LayerMechanics {

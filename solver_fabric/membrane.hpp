@@ -40,7 +40,7 @@ struct MembraneStress {
   double S11 = 0, S22 = 0, S12 = 0;
 };
 
-/// MECHANICS 1: S11 = 2 W4, S22 = 2 W8, S12 = Wab. @pre |gamma| < 90 deg, stretches > 0
+/// solver_fabric/THEORY.md: S11 = 2 W4, S22 = 2 W8, S12 = Wab. @pre |gamma| < 90 deg, stretches > 0
 inline MembraneStress compute_membrane_stress(const Potential& w, const FibreState& s) {
   const double tau_tan = w.tau * s.sin_gamma / s.cos_gamma;
   return {w.W_a / s.la - tau_tan / s.I4, w.W_b / s.lb - tau_tan / s.I8, w.tau / (s.cos_gamma * s.la * s.lb)};

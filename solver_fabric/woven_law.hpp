@@ -1,7 +1,8 @@
 /// Membrane laws of a woven ply as pure functions of the fibre stretches and the shear angle.
 ///
-/// Source: "Modeling multiaxial stress states in forming simulation of woven fabrics", eq. (1)-(11) (MECHANICS 1).
-/// Fibre stretches la = sqrt(I4), lb = sqrt(I8), fibre strains e = l - 1, shear angle gamma = I10. Where we differ:
+/// Source: "Modeling multiaxial stress states in forming simulation of woven fabrics", eq. (1)-(11)
+/// (solver_fabric/THEORY.md). Fibre stretches la = sqrt(I4), lb = sqrt(I8), fibre strains e = l - 1, shear angle gamma
+/// = I10. Where we differ:
 /// - "exp exp(x)" of the printed text is exp(x);
 /// - odd powers of I10 in eq. (8), (9) are powers of |I10|, so that W does not depend on the sign of the shear;
 /// - above `strain_cap`, exp(c e_t) of eq. (5), (6) goes on along its tangent (C1).

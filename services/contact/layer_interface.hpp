@@ -1,6 +1,6 @@
 /// Contact between two neighbouring layers: the nodes of the lower one against the smooth surface of the upper one.
 ///
-/// The distance of node p is measured along its averaged vertex normal n (PITFALLS 1) to the facet it faces, plus the
+/// The distance of node p is measured along its averaged vertex normal n to the facet it faces, plus the
 /// rise of a smooth surface above that facet, the parabola over each side that the vertex normals n_i suggest:
 ///
 ///   l = ((x_1 - x_p).N)/(n.N) + r      r = 1/2 sum_{i<j} w_i w_j (x_j - x_i).(n_j - n_i)                     (C1)

@@ -1,4 +1,4 @@
-/// Averaged vertex normals: the direction along which gaps are measured (PITFALLS 1).
+/// Averaged vertex normals: the direction along which gaps are measured.
 #pragma once
 
 #include "mechanics/mesh.hpp"

@@ -64,7 +64,7 @@ Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::Noda
   }
   Projection& p = facing.projection;
   const double beyond = -p.weight[out];
-  if (beyond > -kOnSide) {  // beyond the edge: hold on to it a little (PITFALLS 10)
+  if (beyond > -kOnSide) {  // beyond the edge: hold on to it a little
     facing.share = std::clamp(1 - beyond / kEdgeMargin, 0.0, 1.0);
     double sum = 0;
     for (double& w : p.weight) sum += (w = std::max(w, 0.0));

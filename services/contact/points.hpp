@@ -1,4 +1,5 @@
-/// The contact law of one point: penalty pressure, damping, Coulomb friction with elastic stick (MECHANICS 4).
+/// The contact law of one point: penalty pressure, damping, Coulomb friction with elastic stick
+/// (services/contact/THEORY.md).
 #pragma once
 
 #include <cmath>

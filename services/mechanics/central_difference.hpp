@@ -1,4 +1,4 @@
-/// Central difference in time with lumped mass (MECHANICS 3), and the energy terms that belong to it.
+/// Central difference in time with lumped mass (services/mechanics/THEORY.md), and the energy terms that belong to it.
 #pragma once
 
 #include "mechanics/mesh.hpp"

@@ -19,7 +19,7 @@ struct TriangleMesh {
   Eigen::Index n_elements() const { return triangles.cols(); }
 };
 
-/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard (MECHANICS 5).
+/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard, as in the shipped scenes.
 /// Nodes run with x fastest. Sides are divided into round(length/h) cells, at least one.
 /// @param x, y   {min, max} of the rectangle, mm
 /// @param h      wanted mesh size, mm

@@ -18,7 +18,7 @@ void check_ascending(const Table& table, const std::string& path, Report& report
   }
 }
 
-/// First shear angle in [0, pi/2] at which d tau/d gamma = s1 + 2 s2 g + 3 s3 g^2 <= 0 (MECHANICS 1), rad.
+/// First shear angle in [0, pi/2] at which d tau/d gamma = s1 + 2 s2 g + 3 s3 g^2 <= 0 (solver_fabric/THEORY.md), rad.
 std::optional<double> find_shear_softening(const std::array<double, 3>& s) {
   const double c0 = s[0], c1 = 2 * s[1], c2 = 3 * s[2], last = std::numbers::pi / 2;
   if (c0 <= 0) return 0.0;

@@ -17,7 +17,7 @@ struct Pair {
   double weft = 0;
 };
 
-/// The five variants of the paper's Fig. 4 (MECHANICS 1).
+/// The five variants of the paper's Fig. 4 (solver_fabric/THEORY.md).
 enum class Variant { Fabric, Uncoupled, Full, Biaxial, NormalShear };
 
 /// Piecewise linear table, abscissa strictly ascending, straight on beyond both ends.
@@ -29,7 +29,7 @@ struct FabricTables {
   Table warp, weft, shear;
 };
 
-/// Membrane law of a woven ply (MECHANICS 1, paper eq. 1-11).
+/// Membrane law of a woven ply (solver_fabric/THEORY.md, paper eq. 1-11).
 struct WovenLaw {
   Variant variant = Variant::Full;
   Pair a{5.5e3, 5.5e3};                        ///< cubic tensile coefficient, MPa
@@ -67,7 +67,7 @@ struct HardeningTable {
 
 using Hardening = std::variant<Swift, Voce, HockettSherby, HardeningTable>;
 
-/// Isotropic elasticity with J2 plasticity (MECHANICS 2).
+/// Isotropic elasticity with J2 plasticity (solver_metal/THEORY.md).
 struct J2Law {
   double young = 210e3;  ///< MPa
   double poisson = 0.3;

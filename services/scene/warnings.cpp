@@ -25,7 +25,7 @@ double compute_shear_energy(const WovenLaw& law, double s_T, double g) {
 }
 
 /// Smallest whole angle below 60 deg at which compression d loses convexity, 2 d <= 8.6 s_C^(2/3) (W_S + W_ST)
-/// (MECHANICS 1); 60 if there is none.
+/// (solver_fabric/THEORY.md); 60 if there is none.
 int find_compression_limit(const WovenLaw& law, double d, double s_C, double s_T) {
   int degrees = 0;
   while (degrees < 60 &&

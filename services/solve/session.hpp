@@ -20,7 +20,7 @@ using LayerFactory = std::unique_ptr<LayerMechanics> (*)(const scene::Scene& sce
 void run_session(const scene::Scene& scene, int layer, LayerFactory make_layer, exchange::SolverLink& link,
                  observe::Sink& sink);
 
-/// main() of a solver process: `--connect ADDRESS --layer NAME [--scene FILE]`. Exit codes of DESIGN 5.
+/// main() of a solver process: `--connect ADDRESS --layer NAME [--scene FILE]`. Exit codes as of `interply run`.
 int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer);
 
 }  // namespace interply::solve

@@ -90,7 +90,7 @@ TEST(ContactPoint, ThinningWorkIsBooked) {
 }
 
 TEST(Stiffness, GivesTheAllowedPenetrationAtTheReferencePressure) {
-  EXPECT_NEAR(compute_stiffness(10, 0.02, 1.0), 500, 1e-12);  // MECHANICS 4: 4 um under 2 MPa
+  EXPECT_NEAR(compute_stiffness(10, 0.02, 1.0), 500, 1e-12);  // services/contact/THEORY.md: 4 um under 2 MPa
 }
 
 TEST(PenetrationSample, PercentileIsByAreaAndLeavesOutWhatFacesNothing) {

@@ -50,7 +50,8 @@ TEST(PyramidPunch, TipIsABallOfTheGivenRadiusAtTheOrigin) {
   EXPECT_NEAR(punch.evaluate({3, 4, -1}).value, std::hypot(5, 16) - 15, 1e-12);
 }
 
-/// Faces of the default punch are inclined by 60 deg; the outer sharp body has edge 160 and height 80 (MECHANICS 5).
+/// Faces of the default punch are inclined by 60 deg; the outer sharp body has edge 160 and height 80, as in the
+/// shipped scenes.
 TEST(PyramidPunch, FacesOfTheOuterBodyAreThoseOfTheSharpPyramid) {
   const PyramidPunch punch(100, 50, 15);
   // opposite the edge at +x lies a face whose outer plane crosses the base plane (z = 65) at the inradius of edge 160
@@ -71,7 +72,7 @@ TEST(OpeningPlate, LandWallAndShoulder) {
   EXPECT_NEAR(die.evaluate(centre + 14 * Vector3(1, 0, 1).normalized()).value, 4, 1e-12);
 }
 
-/// Least distance between punch and die along the flat sides, the clearance of MECHANICS 5: 22 - 15 = 7 mm.
+/// Least distance between punch and die along the flat sides, the clearance of the shipped scenes: 22 - 15 = 7 mm.
 TEST(Tools, ClearanceBetweenPunchAndDieIsTheDifferenceOfTheirOffsets) {
   const PyramidPunch punch(100, 50, 15);
   const OpeningPlate die(100, 22, 10, true);

@@ -30,14 +30,14 @@ inline std::string name_of(scene::Variant v) {
   return names[static_cast<int>(v)];
 }
 
-/// MECHANICS 5, set `soft`: the defaults.
+/// Set `soft`: the defaults.
 inline scene::WovenLaw soft(scene::Variant v = scene::Variant::Full) {
   scene::WovenLaw law;
   law.variant = v;
   return law;
 }
 
-/// MECHANICS 5, set `stiff`.
+/// Set `stiff` of deploy/scenes/laws.
 inline scene::WovenLaw stiff(scene::Variant v = scene::Variant::Full) {
   scene::WovenLaw law = soft(v);
   law.a = {5.5e4, 5.5e4};
@@ -47,7 +47,7 @@ inline scene::WovenLaw stiff(scene::Variant v = scene::Variant::Full) {
   return law;
 }
 
-/// Every pair different, so that no swap of a and b goes unseen (PITFALLS 12).
+/// Every pair different, so that no swap of a and b goes unseen.
 inline scene::WovenLaw lopsided(scene::Variant v = scene::Variant::Full) {
   scene::WovenLaw law = soft(v);
   law.a = {7.1e3, 4.3e3};

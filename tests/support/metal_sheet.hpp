@@ -13,7 +13,7 @@ using mechanics::TriangleMesh;
 
 inline constexpr double kDensity = 7.85e-9;
 
-/// DC04 of MECHANICS 5.
+/// DC04 of the shipped scenes.
 inline scene::J2Law make_dc04() { return {}; }
 
 /// A law that never yields.

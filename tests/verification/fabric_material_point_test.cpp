@@ -162,7 +162,7 @@ TEST(WovenMaterialPoint, EquibiaxialTensionLosesConvexityAtAbout2OverC) {
   scene::WovenLaw law = stiff(scene::Variant::Biaxial);
   law.strain_cap = scene::WovenLaw{}.strain_cap;  // none: the paper's law
   const double strain = find_root([&](double e) { return -stretch(law, e, e).smallest_eigenvalue; }, 0.01, 0.2);
-  EXPECT_NEAR(strain, 2.08 / law.c.warp, 0.1 * 2.08 / law.c.warp);  // MECHANICS 1: "~ 2.08/c"
+  EXPECT_NEAR(strain, 2.08 / law.c.warp, 0.1 * 2.08 / law.c.warp);  // solver_fabric/THEORY.md: "~ 2.08/c"
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// MECHANICS V9: the DC04 bar, by the material point and by a strip of shell elements.
+/// The DC04 bar, by the material point and by a strip of shell elements.
 #include <gtest/gtest.h>
 
 #include <cmath>

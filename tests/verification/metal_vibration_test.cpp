@@ -1,4 +1,4 @@
-/// MECHANICS V14: free vibration of an elastic sheet by the integrator's central difference.
+/// Free vibration of an elastic sheet by the integrator's central difference.
 #include <gtest/gtest.h>
 
 #include <cmath>
