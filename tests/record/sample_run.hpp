@@ -151,9 +151,6 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Exit status of `check_record.py vtk` where VTK cannot read XDMF.
-inline constexpr int kNoReader = 77;
-
 /// Runs `check_record.py` of this folder. @return its exit status, 0 if the record is as it must be
 inline int run_check(const std::string& arguments) {
   const int status =
