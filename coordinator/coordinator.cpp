@@ -50,7 +50,8 @@ class Run {
     for (const exchange::Final& f : finals_) digest.add(&f.digest, sizeof f.digest);
     return {.exit_code = 0,
             .digest = mechanics::to_hex(digest.value()),
-            .summary = format_summary(scene_, forming_, end, finals_, seconds.count())};
+            .summary = format_summary(scene_, forming_, end, finals_, seconds.count()),
+            .measures = measure(end)};
   }
 
   int frames_begun() const { return frames_begun_; }
@@ -98,6 +99,16 @@ class Run {
     }
   }
 
+  Measures measure(const EnergyBalance& end) const {
+    return {.steps = forming_.pace().step(),
+            .largest_residual = forming_.largest_residual(),
+            .final_residual = end.residual() / end.scale(),
+            .penetration_99 = forming_.penetration_99(),
+            .penetration_peak = forming_.penetration_peak(),
+            .holder_deviation = forming_.holder_deviation(),
+            .holder_mean = forming_.holder_mean()};
+  }
+
   void await_finals() {
     begin_waiting();
     is_here_ = has_ended_;
@@ -139,7 +150,10 @@ class Run {
 
   void take(int who) {
     is_here_[static_cast<std::size_t>(who)] = true;
-    if (!forming_.take_motion(who)) throw lost(forming_.lost(), "its connection is closed");
+    if (forming_.take_motion(who)) return;
+    while (next_event().kind != Event::Kind::None) {
+    }  // the one that cannot be answered may have said why: its failure overtakes its answer
+    throw lost(forming_.lost(), "its connection is closed");
   }
 
   void check_patience() {

@@ -22,12 +22,24 @@ struct Progress {
   std::string waiting_for;                ///< "ply_2" while waiting for long; empty otherwise
 };
 
+/// What a finished run measured of itself; the same numbers as in its summary.
+struct Measures {
+  std::int64_t steps = 0;
+  double largest_residual = 0;  ///< energy residual / energy scale, over all steps
+  double final_residual = 0;    ///< the same at the end
+  double penetration_99 = 0;  ///< 99 % of the contact area stays below, worst frame; / thickness of the thinner partner
+  double penetration_peak = 0;  ///< over all frames; / thickness of the thinner partner
+  double holder_deviation = 0;  ///< largest |blank-holder force - target| after the ramp, / target
+  double holder_mean = 0;       ///< blank-holder force, mean after the ramp, N
+};
+
 /// How the run ended.
 struct Outcome {
   int exit_code = 0;    ///< 0 done, 3 diverged, 4 lost, 5 cancelled
   std::string message;  ///< one sentence if not done
   std::string digest;   ///< 16 hex digits of the final state of all layers
   std::string summary;  ///< one screen of text, without the digest line
+  Measures measures;    ///< of a run that is done
 };
 
 /// Runs a scene over a link from waiting for the participants to the end. Never throws for what happens in a run.

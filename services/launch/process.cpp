@@ -44,6 +44,7 @@ Child::Child(std::string name, const std::vector<std::string>& command, const st
     : name_(std::move(name)), log_(log) {
   if (!log_) throw std::system_error(errno, std::generic_category(), "cannot write " + log.string());
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const auto& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
 

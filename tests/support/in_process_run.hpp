@@ -53,8 +53,8 @@ class LateLink : public exchange::SolverLink {
   std::mt19937 random_;
 };
 
-inline InProcessResult run_in_process(const scene::Scene& scene, const InProcessOptions& options = {}) {
-  InProcessResult result;
+inline coordinator::Outcome run_in_process(const scene::Scene& scene, const InProcessOptions& options,
+                                           observe::Sink& sink) {
   std::vector<exchange::Expected> expected;
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
     expected.push_back({scene.layers[i].name, solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
@@ -66,16 +66,22 @@ inline InProcessResult run_in_process(const scene::Scene& scene, const InProcess
     try {
       link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "test"}, 60);
       solve::run_session(scene, i, options.factory ? options.factory : launch::find_layer_factory(layer.kind()), *link,
-                         *result.sink);
+                         sink);
     } catch (const std::exception&) {  // the coordinator has been told
     }
   };
   std::vector<std::jthread> threads;
   for (int i = 0; i < static_cast<int>(scene.layers.size()); ++i) threads.emplace_back(run_layer, i);
-  result.outcome = coordinator::run(
-      scene, "test", hub.coordinator(), *result.sink, [](auto&) {}, [](auto&) {});
+  const auto outcome = coordinator::run(
+      scene, "test", hub.coordinator(), sink, [](auto&) {}, [](auto&) {});
   hub.close();
   threads.clear();
+  return outcome;
+}
+
+inline InProcessResult run_in_process(const scene::Scene& scene, const InProcessOptions& options = {}) {
+  InProcessResult result;
+  result.outcome = run_in_process(scene, options, *result.sink);
   return result;
 }
 

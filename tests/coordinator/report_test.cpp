@@ -1,0 +1,57 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coordinator/scripted_link.hpp"
+
+namespace {
+
+using namespace interply;
+using namespace interply::coordinator;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(ProgressLine, SaysStrokeStepIncrementTimeLeftAndResidual) {
+  const std::string line = format_progress({.step = 1234,
+                                            .time = 2.5e-3,
+                                            .end_time = 16e-3,
+                                            .dt = 4.04e-7,
+                                            .stroke = 12.3,
+                                            .punch_force = 1500,
+                                            .residual = -0.0004,
+                                            .seconds_left = 42.4});
+  for (const auto* part : {"12.3 mm", "1234", "2.500/16.000 ms", "4.04e-07 s", "1.50 kN", "-0.040 %", "left 42 s"})
+    EXPECT_THAT(line, HasSubstr(part));
+  EXPECT_THAT(line, Not(HasSubstr("waiting")));
+  EXPECT_THAT(line, Not(HasSubstr("\n")));
+}
+
+TEST(ProgressLine, SaysWhoIsWaitedForAndNoUnknownTime) {
+  const std::string line = format_progress({.seconds_left = -1, .waiting_for = "ply_2"});
+  EXPECT_THAT(line, HasSubstr("waiting for ply_2"));
+  EXPECT_THAT(line, Not(HasSubstr("left")));
+}
+
+TEST(ProgressLine, LongTimesAreInHours) { EXPECT_THAT(format_progress({.seconds_left = 3725}), HasSubstr("1:02:05")); }
+
+TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
+  scene::Scene scene = test::read_flat_stack({"motion.forming_time=2e-5", "tools.blank_holder.ramp=1e-5"});
+  scene.time.energy_limit = 1e9;
+  test::ScriptedLink link(scene);
+  link.everyone_joins_and_moves();
+  link.on_answer = [&](int who, const exchange::Force& force) {
+    if (!force.last) return link.answer(who, force);
+    link.push({.kind = exchange::Event::Kind::Ended,
+               .who = who,
+               .final = {.digest = 1, .summary = {{"largest shear angle", "deg", 12.5 + who}, {"count", "1", 3}}}});
+  };
+  test::ScriptedRun run;
+  run.run(scene, link);
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
+  for (const auto* part : {"flat_stack", "sheet_lower", "ply_2", "fabric", "metal", "largest shear angle 14.5 deg",
+                           "count 3 ", "draw-in -x 0.00 +x 0.00 +y 0.00 mm", "punch force 0.000 kN (half model)",
+                           "target 61.253 kN", "energy (mJ)", "kinetic/internal", "penetration"})
+    EXPECT_THAT(run.outcome.summary, HasSubstr(part));
+  EXPECT_THAT(run.outcome.summary, Not(HasSubstr("digest")));
+}
+
+}  // namespace
