@@ -67,22 +67,27 @@ std::string format_summary(const scene::Scene& scene, const Forming& forming, co
     const scene::Layer& layer = scene.layers[i];
     fmt::format_to(out, "  {:<12} {:<6}", layer.name, layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
     for (const exchange::SummaryItem& item : finals[i].summary)
-      fmt::format_to(out, "  {} {:.4g}{}{}", item.name, item.value, item.unit == "1" || item.unit.empty() ? "" : " ",
-                     item.unit == "1" ? "" : item.unit);
-    const DrawIn d = measure_draw_in(forming.stack().layer(static_cast<int>(i)));
-    fmt::format_to(out, "  draw-in -x {:.2f} +x {:.2f} +y {:.2f} mm\n", d.minus_x, d.plus_x, d.plus_y);
+      fmt::format_to(out, "  {} {:.3g}{}", item.name, item.value, item.unit == "1" ? "" : " " + item.unit);
+    text += '\n';
   }
+  fmt::format_to(out, "  draw-in at -x, +x, +y (mm):");
+  for (std::size_t i = 0; i < finals.size(); ++i) {
+    const DrawIn d = measure_draw_in(forming.stack().layer(static_cast<int>(i)));
+    fmt::format_to(out, "{} {} {:.1f} {:.1f} {:.1f}", i == 0 ? "" : ",", scene.layers[i].name, d.minus_x, d.plus_x,
+                   d.plus_y);
+  }
+  text += '\n';
   const char* part = scene.blank.half ? "half model" : "full model";
   if (forming.stack().punch())
     fmt::format_to(out, "  punch force {:.3f} kN ({})\n", 1e-3 * forming.punch_force(), part);
   fmt::format_to(out,
-                 "  blank-holder force {:.3f} kN ({}), target {:.3f} kN; after the ramp: mean {:+.2f} %, largest "
+                 "  blank-holder force {:.3f} kN ({}), target {:.3f} kN; after the ramp mean {:+.2f} %, largest "
                  "deviation {:.2f} %\n",
                  1e-3 * forming.holder_force(), part, 1e-3 * forming.holder().target(),
                  100 * (forming.holder_mean() / forming.holder().target() - 1), 100 * forming.holder_deviation());
   fmt::format_to(out,
                  "  energy (mJ): external {:.5g} + thinning {:.3g} = internal {:.5g} + kinetic {:.3g} + contact {:.3g} "
-                 "+ friction {:.5g} + damping {:.3g}; residual {:.3g} % (largest {:.3g} %)\n",
+                 "+ friction {:.5g} + damping {:.3g}\n  energy residual {:.3g} %, largest of all steps {:.3g} %\n",
                  end.external, end.thinning, end.internal, end.kinetic, end.contact, end.friction, end.damping,
                  100 * end.residual() / end.scale(), 100 * forming.largest_residual());
   std::string ratios;

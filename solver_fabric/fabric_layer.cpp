@@ -186,11 +186,11 @@ std::vector<exchange::SummaryItem> FabricLayer::summarise() const {
     beyond_cap += std::visit([&](const auto& law) { return law.is_beyond_cap(la_(e), lb_(e)); }, law_);
     indefinite += compute_smallest_eigenvalue(potential(e)) < 0;
   }
-  return {{"largest shear angle", "deg", gamma_.abs().maxCoeff() * kDegrees},
-          {"largest fibre strain", "%", 100 * (std::max(la_.maxCoeff(), lb_.maxCoeff()) - 1)},
-          {"smallest fibre strain", "%", 100 * (std::min(la_.minCoeff(), lb_.minCoeff()) - 1)},
-          {"elements beyond strain_cap", "%", 100 * beyond_cap / n},
-          {"elements with indefinite Hessian", "%", 100 * indefinite / n}};
+  return {{"shear angle up to", "deg", gamma_.abs().maxCoeff() * kDegrees},
+          {"fibre strain up to", "%", 100 * (std::max(la_.maxCoeff(), lb_.maxCoeff()) - 1)},
+          {"down to", "%", 100 * (std::min(la_.minCoeff(), lb_.minCoeff()) - 1)},
+          {"elements beyond cap", "%", 100 * beyond_cap / n},
+          {"not convex", "%", 100 * indefinite / n}};
 }
 
 std::unique_ptr<solve::LayerMechanics> make_fabric_layer(const scene::Scene& scene, int layer,

@@ -73,9 +73,9 @@ std::vector<exchange::SummaryItem> MetalLayer::summarise() const {
   double von_mises = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e)
     for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));
-  return {{"largest plastic strain", "1", plastic_strain_.maxCoeff()},
-          {"largest thinning", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)},
-          {"largest von Mises stress", "MPa", von_mises}};
+  return {{"plastic strain up to", "1", plastic_strain_.maxCoeff()},
+          {"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)},
+          {"von Mises stress up to", "MPa", von_mises}};
 }
 
 void MetalLayer::add_state_to(mechanics::Digest& digest) const {

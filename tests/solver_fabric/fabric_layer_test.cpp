@@ -259,7 +259,7 @@ TEST(FabricLayer, FieldsAndSummaryReportTheState) {
   compute_forces(layer, map_in_plane(mesh, F));
   EXPECT_EQ(layer.compute_fields()[7].values[0], 1);
   const auto summary = layer.summarise();
-  EXPECT_EQ(summary[0].name, "largest shear angle");
+  EXPECT_EQ(summary[0].name, "shear angle up to");
   EXPECT_NEAR(summary[0].value, 0, 1e-12);
   EXPECT_NEAR(summary[1].value, 8, 1e-12);
   EXPECT_NEAR(summary[2].value, 1, 1e-12);
