@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cmath>
 #include <filesystem>
 #include <random>
@@ -19,7 +21,8 @@ std::vector<std::filesystem::path> list_scenes() {
 }
 
 Law parse_law_file(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "interply_law.yaml";
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("interply_law_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << text;
   const Law law = read_law(file);
   std::filesystem::remove(file);
