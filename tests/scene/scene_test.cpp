@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <random>
 
 #include "scene.pb.h"
@@ -20,13 +21,14 @@ std::vector<std::filesystem::path> list_scenes() {
   return files;
 }
 
+/// Reads `text` from a file interply_law.yaml in a folder of this process.
 Law parse_law_file(const std::string& text) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / ("interply_law_" + std::to_string(getpid()) + ".yaml");
-  std::ofstream(file) << text;
-  const Law law = read_law(file);
-  std::filesystem::remove(file);
-  return law;
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("interply_law_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "interply_law.yaml") << text;
+  const auto remove = [](const std::filesystem::path* f) { std::filesystem::remove_all(*f); };
+  const std::unique_ptr<const std::filesystem::path, decltype(remove)> cleanup(&folder, remove);
+  return read_law(folder / "interply_law.yaml");
 }
 
 std::string refuse_law_file(const std::string& text) {
