@@ -36,7 +36,7 @@ std::string refuse_law_file(const std::string& text) {
     parse_law_file(text);
   } catch (const SceneError& error) {
     const std::string said = error.what();
-    return said.substr(said.find("interply_law"));
+    return said.substr(said.find("interply_law.yaml"));
   }
   return "";
 }
