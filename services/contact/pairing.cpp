@@ -75,20 +75,19 @@ Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::Noda
 
 int search_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& y, const Vector3& x,
                   const Vector3& normal) {
+  constexpr double kInside = -1e-9;
   int best = -1;
   double best_weight = -std::numeric_limits<double>::infinity();
+  double best_distance = std::numeric_limits<double>::infinity();
   for (int t = 0; t < partner.n_elements(); ++t) {
-    const Vector3 a = mechanics::at(y, partner.triangles(0, t));
-    const Vector3 b = mechanics::at(y, partner.triangles(1, t));
-    const Vector3 c = mechanics::at(y, partner.triangles(2, t));
-    const double reach = (b - a).norm() + (c - a).norm();
-    if ((x - a).squaredNorm() > 4 * reach * reach && best >= 0) continue;
-    const Projection p = project(x, normal, a, b, c);
-    const double smallest = p.weight[most_negative(p)];
-    if (smallest > best_weight && std::abs(p.distance) <= reach) {
-      best_weight = smallest;
-      best = t;
-    }
+    const Projection p = project_on(partner, y, x, normal, t);
+    const double smallest = p.weight[most_negative(p)], distance = std::abs(p.distance);
+    const bool inside = smallest >= kInside, best_inside = best_weight >= kInside;
+    const bool better = inside && best_inside ? distance < best_distance : smallest > best_weight;
+    if (!better) continue;
+    best = t;
+    best_weight = smallest;
+    best_distance = distance;
   }
   return best;
 }

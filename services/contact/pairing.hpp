@@ -33,8 +33,9 @@ struct Facing {
 Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
                    const mechanics::Vector3& x, const mechanics::Vector3& normal, int triangle);
 
-/// The same by trying every triangle: the one whose smallest weight is largest (the first of equals), within one
-/// element of reach along the normal. For the start of a run and as the reference that walking must agree with.
+/// The same by trying every triangle: the nearest along the normal of those that hold the foot point (the first of
+/// equals), else the one whose smallest weight is largest. For the start of a run, and as the reference that walking
+/// must agree with.
 int search_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
                   const mechanics::Vector3& x, const mechanics::Vector3& normal);
 

@@ -172,6 +172,19 @@ TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
   EXPECT_GT(compared, 1000);
 }
 
+TEST(Pairing, IsFoundWhateverTheThicknessAgainstTheMesh) {
+  Layer lower(0.5, 0, 1), upper(0.4, 30, 1);  // sixty elements apart
+  for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
+    const Vector3 x = mechanics::at(lower.geometry.position, i);
+    const int t = search_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ());
+    ASSERT_GE(t, 0);
+    const Facing f = find_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ(), t);
+    EXPECT_EQ(f.triangle, t);
+    EXPECT_NEAR(f.projection.distance, 30, 1e-12);
+    EXPECT_EQ(f.share, 1);
+  }
+}
+
 TEST(Pairing, NodeBeyondTheEdgeIsLetGoGentlyAndTakenBack) {
   Layer upper(1.0, 1, 1);
   const auto share = [&](double beyond) {
