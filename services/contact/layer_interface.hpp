@@ -40,7 +40,8 @@ class LayerInterface {
   void update(double dt);
 
   /// For each node of both partners, the row sum of M^-1 K of all paired points, touching or not: what contact adds to
-  /// omega^2 there, an upper bound where the facets are flat (THEORY.md 3). Adds to `lower_rate` and `upper_rate`, 1/s2.
+  /// omega^2 there, an upper bound where the facets are flat (THEORY.md 3). Adds to `lower_rate` and `upper_rate`,
+  /// 1/s2.
   void add_rates_to(Scalars& lower_rate, Scalars& upper_rate) const;
 
   const Points& points() const { return points_; }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <numeric>
+#include <sstream>
 
 #include "exchange/link.hpp"
 #include "launch/check.hpp"
@@ -90,9 +91,12 @@ struct PointOptions {
 
 int point_command(const PointOptions& options) {
   if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr);
-  std::ofstream file(options.out);
-  if (!file) throw std::runtime_error("cannot write " + options.out.string());
-  return run_point(options.law, options.path, file, std::cerr);
+  std::ostringstream result;  // a refused path leaves an earlier file alone
+  const int exit_code = run_point(options.law, options.path, result, std::cerr);
+  if (exit_code != kDone) return exit_code;
+  if (!(std::ofstream(options.out) << result.str() << std::flush))
+    throw std::runtime_error("cannot write " + options.out.string());
+  return kDone;
 }
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {

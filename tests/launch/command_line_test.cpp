@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "launch/run.hpp"
 
@@ -65,6 +70,24 @@ TEST(CommandLine, ASceneThatDoesNotExistIsRefused) {
   const auto said = say({"check", "/no/such/scene.yaml"});
   EXPECT_EQ(said.exit_code, kRefused);
   EXPECT_THAT(said.error, HasSubstr("/no/such/scene.yaml"));
+}
+
+TEST(CommandLine, ARefusedPathLeavesAnEarlierResultOfPointAlone) {
+  std::string folder = testing::TempDir() + "point-XXXXXX";
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const std::string law = INTERPLY_SOURCE_DIR "/deploy/scenes/laws/woven_soft.yaml";
+  std::ofstream(folder + "/good.csv") << "F11,F12,F21,F22\n1.01,0,0,1\n";
+  std::ofstream(folder + "/bad.csv") << "F11,F12,F21,F22\n1.01,0,x,1\n";
+  const auto read = [&] {
+    std::ifstream file(folder + "/out.csv");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", folder + "/out.csv"}).exit_code, kDone);
+  const std::string result = read();
+  EXPECT_THAT(result, HasSubstr("\n1.01,0,0,1,1.0201,1,0,"));
+  EXPECT_EQ(say({"point", law, "--path", folder + "/bad.csv", "-o", folder + "/out.csv"}).exit_code, kRefused);
+  EXPECT_EQ(read(), result);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(NearestName, TakesTheFewestEdits) {
