@@ -19,15 +19,16 @@ struct CoordinatorEnergies {
   double punch_work = 0;  ///< done by the punch on the laminate, mJ
 };
 
-/// All energies of one step, mJ.
+/// All energies of one step, mJ. What edges put into springs (InterfaceEnergies::edge) counts as thinning.
 struct EnergyBalance {
   double kinetic = 0, internal = 0, contact = 0, friction = 0, damping = 0, thinning = 0, external = 0;
   std::vector<double> layer_kinetic, layer_internal, layer_residual, interface_residual;
 
   double residual() const { return kinetic + internal + contact + friction + damping - thinning - external; }
-  /// What a residual is measured against: the work that went in, wherever it is now.
+  /// What a residual is measured against: the work that went in, wherever it is now. At least 1 mJ: below, a ratio of
+  /// round-off says nothing.
   double scale() const {
-    return std::max({std::abs(external), kinetic + internal + contact + friction + damping, 1e-300});
+    return std::max({std::abs(external), kinetic + internal + contact + friction + damping, 1.0});
   }
 };
 
@@ -48,7 +49,7 @@ inline void assemble_balance(const std::vector<exchange::LayerEnergies>& layers,
     b.contact += e.stored;
     b.friction += e.friction;
     b.damping += e.damping;
-    b.thinning += e.thinning;
+    b.thinning += e.thinning + e.edge;
     b.interface_residual.push_back(e.residual());
   }
   b.kinetic += own.blank_holder.kinetic;

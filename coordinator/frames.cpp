@@ -75,16 +75,23 @@ void put_frames(const scene::Scene& scene, const Stack& stack, const Pace& pace,
 }
 
 Share explain_residual(const scene::Scene& scene, const EnergyBalance& balance) {
-  Share worst{"none", 0};
-  const auto consider = [&](const std::string& name, double value) {
+  Share worst{"none", 0, "a smaller time.safety"};
+  const auto consider = [&](const std::string& name, double value, const char* cure) {
     if (std::isnan(worst.value)) return;  // the first NaN is the worst
-    if (!(std::abs(value) <= std::abs(worst.value))) worst = {name, value};
+    if (!(std::abs(value) <= std::abs(worst.value))) worst = {name, value, cure};
   };
   for (std::size_t i = 0; i < balance.layer_residual.size(); ++i)
-    consider("layer " + scene.layers[i].name, balance.layer_residual[i]);
+    consider("layer " + scene.layers[i].name, balance.layer_residual[i],
+             std::holds_alternative<scene::WovenLaw>(scene.layers[i].law)
+                 ? "a smaller time.safety or time.vote_every, then a strain_cap or a smaller c in the law of this layer"
+                 : "a smaller time.safety or time.vote_every, then a finer mesh");
   const auto names = name_interfaces(scene);
   for (std::size_t k = 0; k < balance.interface_residual.size(); ++k)
-    consider("interface " + names[k].name, balance.interface_residual[k]);
+    consider("interface " + names[k].name, balance.interface_residual[k],
+             names[k].name.ends_with("|punch")  // nodes that a fast punch hits gain or lose a part of a step
+                 ? "a longer motion.forming_time, then a smaller time.safety or a larger contact.damping"
+                 : "a smaller time.safety or time.vote_every, then a larger contact.damping or a smaller "
+                   "contact.reference_pressure");
   return worst;
 }
 

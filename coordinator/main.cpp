@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/tools.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
 #include "scene/read_scene.hpp"
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
   block_signals();
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
+    coordinator::check_tools(scene);
     const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene));
     watch_signals(*link);
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;

@@ -28,8 +28,10 @@ double Pace::choose(const std::vector<Vote>& votes, double time) const {
   double dt = frame_every_;         // at most one frame a step
   for (const Vote& vote : votes) dt = std::min(dt, safety_ * compute_increment(vote));
   if (next_dt_ > 0) dt = std::min(dt, kGrowth * next_dt_);
-  const double left = end_ - time;
-  return left < dt ? left : left < 2 * dt ? 0.5 * left : dt;  // land on the end without a tiny last step
+  // Land on the end without a tiny last step, by a per cent less from far enough: next to the stability limit the
+  // energy of the fastest mode, 1 - (omega dt/2)^2 of what its speed says, would jump with the increment.
+  const double left = end_ - time, steps = std::ceil(left / dt * (1 - 1e-9));
+  return steps < 100 ? left / std::max(1.0, steps) : dt;
 }
 
 void Pace::start(const std::vector<Vote>& votes) { next_dt_ = choose(votes, 0); }

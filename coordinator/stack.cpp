@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/tools.hpp"
 #include "solve/layer_mechanics.hpp"
 
 namespace interply::coordinator {
@@ -49,33 +50,22 @@ Stack::Stack(const scene::Scene& scene) : scene_(scene), layers_(scene.layers.si
     const scene::Layer& layer = scene.layers[static_cast<std::size_t>(i)];
     LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
     slot.mesh = solve::make_layer_mesh(scene, i);
-    contact::LayerGeometry& g = slot.geometry;
-    g.mesh = &slot.mesh;
-    g.position = slot.mesh.reference;
-    g.increment = g.normal = mechanics::NodalVectors::Zero(3, slot.mesh.n_nodes());
-    g.half_thickness = Scalars::Constant(slot.mesh.n_nodes(), 0.5 * layer.thickness);
-    g.mass = mechanics::compute_lumped_mass(slot.mesh, layer.thickness, layer.density * scene.time.mass_scaling);
     slot.normals = std::make_unique<contact::VertexNormals>(slot.mesh);
-    g.normals = slot.normals.get();
-    slot.normals->compute(g.position, g.normal);
-    mass_ += g.mass.sum();
+    slot.geometry = contact::LayerGeometry::at_rest(slot.mesh, *slot.normals, layer.thickness,
+                                                    layer.density * scene.time.mass_scaling);
+    mass_ += slot.geometry.mass.sum();
     height += layer.thickness;
   }
 
-  const scene::Tools& tools = scene.tools;
-  const double part = scene.blank.half ? 0.5 : 1.0;
-  flange_area_ =
-      part * (scene.blank.length * scene.blank.width -
-              contact::compute_opening_area(tools.blank_holder.opening.edge, tools.blank_holder.opening.offset,
-                                            tools.blank_holder.opening.shoulder));
-  const auto plate = [](const scene::Opening& o, bool faces_up) {
-    return std::make_unique<contact::OpeningPlate>(o.edge, o.offset, o.shoulder, faces_up);
+  PlacedTools placed = place_tools(scene, layer(0).mesh, layer(n_layers() - 1).mesh, height);
+  flange_area_ = placed.flange_area;
+  const auto take = [](contact::Tool& tool, const char* name, PlacedTool& from) {
+    tool.name = name;
+    tool.shape = std::move(from.shape);
+    tool.z = from.z;
   };
-  die_tool_.name = "die";
-  die_tool_.shape = plate(tools.die, true);
-  blank_holder_tool_.name = "blank_holder";
-  blank_holder_tool_.shape = plate(tools.blank_holder.opening, false);
-  blank_holder_tool_.z = height;
+  take(die_tool_, "die", placed.die);
+  take(blank_holder_tool_, "blank_holder", placed.blank_holder);
   const int top = n_layers() - 1;
   const std::string &first = scene.layers.front().name, &last = scene.layers.back().name;
   die_ = std::make_unique<contact::ToolInterface>(make_law(kTool, 0, find_friction(scene, "die", first)),
@@ -88,11 +78,9 @@ Stack::Stack(const scene::Scene& scene) : scene_(scene), layers_(scene.layers.si
   }
   blank_holder_ = std::make_unique<contact::ToolInterface>(
       make_law(top, kTool, find_friction(scene, last, "blank_holder")), layer(top).geometry, blank_holder_tool_);
-  if (tools.punch) {
-    punch_tool_.name = "punch";
-    punch_tool_.shape =
-        std::make_unique<contact::PyramidPunch>(tools.punch->edge, tools.punch->height, tools.punch->radius);
-    punch_tool_.z = punch_start_ = height;
+  if (placed.punch.shape) {
+    take(punch_tool_, "punch", placed.punch);
+    punch_start_ = punch_tool_.z;
     punch_ = std::make_unique<contact::ToolInterface>(make_law(top, kTool, find_friction(scene, last, "punch")),
                                                       layer(top).geometry, punch_tool_);
   }
@@ -135,11 +123,8 @@ void Stack::begin_step() {
 
 void Stack::accept(int i, const exchange::Motion& motion, double dt) {
   LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
-  contact::LayerGeometry& g = slot.geometry;
-  g.increment = motion.position - g.position;
-  g.position = motion.position;
-  if (motion.thickness.size() > 0) g.half_thickness = 0.5 * motion.thickness;
-  slot.normals->compute(g.position, g.normal);
+  slot.geometry.move_to(motion.position);
+  if (motion.thickness.size() > 0) slot.geometry.half_thickness = 0.5 * motion.thickness;
   slot.vote = motion.vote;
   slot.is_here = true;
   update_interfaces_of(i, dt);

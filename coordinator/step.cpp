@@ -8,6 +8,16 @@
 
 namespace interply::coordinator {
 
+namespace {
+
+/// Of the laminate at the mean speed of the punch, mJ.
+double compute_forming_kinetic_energy(const scene::Scene& scene, double mass) {
+  const double speed = scene.tools.punch ? scene.motion.stroke / scene.motion.forming_time : 0;
+  return 0.5 * mass * speed * speed;
+}
+
+}  // namespace
+
 Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink)
     : scene_(scene),
       link_(link),
@@ -18,6 +28,7 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
               stack_.stiffness()),
       layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
+      scale_(compute_forming_kinetic_energy(scene, stack_.mass())),
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
   energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));
@@ -73,18 +84,17 @@ void Forming::finish_step() {
 }
 
 void Forming::check_balance() {
-  constexpr double kNegligible = 1.0;  // mJ; below, a ratio of round-off says nothing
   assemble_balance(layer_energies_, energies_, balance_);
   scale_ = std::max(scale_, balance_.scale());
-  residual_ = balance_.residual() / std::max(scale_, kNegligible);
+  residual_ = balance_.residual() / scale_;
   largest_residual_ = std::max(largest_residual_, std::abs(residual_));
   if (std::abs(residual_) <= scene_.time.energy_limit) return;
   const auto worst = explain_residual(scene_, balance_);
   throw mechanics::Divergence(fmt::format(
       "energy residual {:.3g} % of {:.4g} mJ passed its limit {:.3g} % at step {}, time {:.6g} s: largest share {} "
-      "({:.3g} mJ); likely cure: a smaller time.safety, then a smaller contact.reference_pressure or a finer mesh",
-      100 * residual_, std::max(scale_, kNegligible), 100 * scene_.time.energy_limit, pace_.step() - 1, pace_.time(),
-      worst.name, worst.value));
+      "({:.3g} mJ); likely cure: {}",
+      100 * residual_, scale_, 100 * scene_.time.energy_limit, pace_.step() - 1, pace_.time(), worst.name, worst.value,
+      worst.cure));
 }
 
 void Forming::measure() {
@@ -93,7 +103,7 @@ void Forming::measure() {
   ++steps_since_row_;
   if (pace_.time() <= scene_.tools.blank_holder.ramp) return;
   const double target = holder_.target();
-  holder_deviation_ = std::max(holder_deviation_, std::abs(holder_force() - target) / target);
+  if (target > 0) holder_deviation_ = std::max(holder_deviation_, std::abs(holder_force() - target) / target);
   holder_impulse_ += pace_.dt() * holder_force();
   holder_time_ += pace_.dt();
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mechanics/shell_patch.hpp"
+#include "mechanics/edge_shell.hpp"
 #include "solver_fabric/woven_law.hpp"
 
 namespace interply::fabric {
@@ -49,12 +49,12 @@ inline MembraneStress compute_membrane_stress(const Potential& w, const FibreSta
 /// Internal forces of the three corners, N:
 ///   f_i = A t [ (S11 f_a + S12 f_b) dN_i/da + (S12 f_a + S22 f_b) dN_i/db ]
 /// @param area_thickness  reference area x reference thickness, mm3
-inline void compute_membrane_forces(const mechanics::ShellPatches& p, Eigen::Index e,
+inline void compute_membrane_forces(const mechanics::ShellGeometry& shell, Eigen::Index e,
                                     const mechanics::SurfaceGradient& g, const MembraneStress& s, double area_thickness,
                                     Vector3 force[3]) {
   const Vector3 along_a = area_thickness * (s.S11 * g.f1 + s.S12 * g.f2);
   const Vector3 along_b = area_thickness * (s.S12 * g.f1 + s.S22 * g.f2);
-  for (int k = 0; k < 3; ++k) force[k] = p.gradient(2 * k, e) * along_a + p.gradient(2 * k + 1, e) * along_b;
+  for (int k = 0; k < 3; ++k) force[k] = shell.gradient(2 * k, e) * along_a + shell.gradient(2 * k + 1, e) * along_b;
 }
 
 }  // namespace interply::fabric

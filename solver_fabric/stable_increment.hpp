@@ -8,7 +8,10 @@
 ///
 /// where H is the Hessian of W and the rows of B are, over the nodes k, with N,1 = dN_k/da, N,2 = dN_k/db,
 ///   grad la = a_hat N,1     grad lb = b_hat N,2     grad gamma = b_perp N,1/la + a_perp N,2/lb                   (T2)
-/// (b_perp the in-plane unit vector normal to a_hat towards b). Bending adds its own largest frequency.
+/// (b_perp the in-plane unit vector normal to a_hat towards b). Bending adds its own largest frequency, that of
+/// the flat reference (mechanics/edge_motion.hpp): shear and stretch change it by a few tens of per cent, but bending
+/// is a few per cent of the membrane's squared frequency on any reasonable mesh, so the safety factor of the step
+/// covers that.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -16,16 +19,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mechanics/shell_patch.hpp"
+#include "mechanics/edge_shell.hpp"
 #include "solver_fabric/membrane.hpp"
 
 namespace interply::fabric {
 
 /// G_ab = sum_k dN_k,a dN_k,b of element `e`. [2 x 2] 1/mm2
-inline mechanics::Matrix2 compute_gradient_products(const mechanics::ShellPatches& p, Eigen::Index e) {
+inline mechanics::Matrix2 compute_gradient_products(const mechanics::ShellGeometry& shell, Eigen::Index e) {
   mechanics::Matrix2 g = mechanics::Matrix2::Zero();
   for (int k = 0; k < 3; ++k) {
-    const mechanics::Vector2 n(p.gradient(2 * k, e), p.gradient(2 * k + 1, e));
+    const mechanics::Vector2 n(shell.gradient(2 * k, e), shell.gradient(2 * k + 1, e));
     g += n * n.transpose();
   }
   return g;
@@ -79,31 +82,6 @@ inline double compute_membrane_eigenvalue_bound(const Potential& w, const FibreS
   mechanics::Matrix2 stress;
   stress << S.S11, S.S12, S.S12, S.S22;
   return std::max(in_plane, compute_largest_eigenvalue(stress * g));
-}
-
-/// Bound of the squared bending frequency of all patches, 1/s2, from the flat reference. A node shares its mass evenly
-/// among the patch slots it fills, so that by Cauchy-Schwarz
-///   omega^2 <= max over patches of  A max(D_a, D_b, 2 twist) |B|^2 / (smallest share of the patch's nodes).
-/// Shear and stretch change B by up to 1/cos(gamma); bending is a few per cent of the membrane's squared frequency on
-/// any reasonable mesh, so the safety factor of the step covers that.
-/// @param mass  lumped nodal masses, t
-inline double compute_bending_frequency_bound(const mechanics::ShellPatches& p, const mechanics::TriangleMesh& mesh,
-                                              const mechanics::Scalars& mass, double stiffness) {
-  const auto is_filled = [&](int slot, Eigen::Index e) {
-    return slot < 3 || mesh.neighbours(slot - 3, e) >= 0 || p.mirror_y(slot - 3, e) < 0;
-  };
-  Eigen::ArrayXd slots = Eigen::ArrayXd::Zero(mass.size());
-  for (Eigen::Index e = 0; e < p.n_elements(); ++e)
-    for (int k = 0; k < 6; ++k)
-      if (is_filled(k, e)) slots(p.nodes(k, e)) += 1;
-  const mechanics::Scalars norms = mechanics::compute_curvature_operator_norms(p);
-  double bound = 0;
-  for (Eigen::Index e = 0; e < p.n_elements(); ++e) {
-    double share = mass(p.nodes(0, e)) / slots(p.nodes(0, e));
-    for (int k = 1; k < 6; ++k) share = std::min(share, mass(p.nodes(k, e)) / slots(p.nodes(k, e)));
-    bound = std::max(bound, p.area(e) * stiffness * norms(e) / share);
-  }
-  return bound;
 }
 
 }  // namespace interply::fabric

@@ -16,7 +16,8 @@ struct MetalPoint {
 };
 
 /// Pulls (or pushes) a bar free of stress across its width and thickness from rest at zero strain through the given
-/// true strains, with the law of the sheets. Increments above 1e-3 are divided.
+/// true strains, with the law of the sheets; with hill48 along the rolling direction. Increments above 1e-3 are
+/// divided.
 /// @return one point per strain, in order
 std::vector<MetalPoint> follow_uniaxial_path(const scene::J2Law& law, const std::vector<double>& strain);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "solver_metal/stable_increment.hpp"
@@ -22,18 +23,56 @@ void store(Rows& rows, Eigen::Index first, Eigen::Index e, const Symmetric2& a) 
   rows(first + 2, e) = a.m12;
 }
 
+/// An own law has elastic constants of its own; the defaults here are then not used.
+scene::J2Law find_j2(const scene::Layer& layer) {
+  const auto* law = std::get_if<scene::J2Law>(&layer.law);
+  return law ? *law : scene::J2Law{};
+}
+
+std::optional<Hill48Constants> make_hill48(const scene::Layer& layer) {
+  const scene::J2Law law = find_j2(layer);
+  return law.hill48 ? std::optional<Hill48Constants>(law) : std::nullopt;
+}
+
+/// Of the reference frame from x, rad: the rolling direction, where there is one.
+double find_frame_angle(const scene::Layer& layer) {
+  const auto* law = std::get_if<scene::J2Law>(&layer.law);
+  return law && !law->hill48 ? 0 : layer.orientation_deg * std::numbers::pi / 180;
+}
+
+std::unique_ptr<VumatSection> make_own(const scene::Layer& layer, const ThicknessRule& rule,
+                                       const mechanics::ShellGeometry& shell,
+                                       const mechanics::NodalVectors& reference) {
+  if (!std::holds_alternative<scene::VumatLaw>(layer.law)) return nullptr;
+  return std::make_unique<VumatSection>(layer, rule, shell, reference);
+}
+
+/// D over (k11, k22, 2 k12) of the elastic sheet, N mm.
+Eigen::Matrix3d compute_plate_stiffness(const J2Constants& law, const VumatSection* own, const ThicknessRule& rule,
+                                        double t) {
+  if (own) return 0.25 * rule.second_moment() * t * t * t * own->initial_tangent();
+  Eigen::Matrix3d d;
+  d << 1, law.poisson, 0, law.poisson, 1, 0, 0, 0, 0.5 * (1 - law.poisson);
+  return 0.25 * rule.second_moment() * t * t * t * law.young / (1 - law.poisson * law.poisson) * d;
+}
+
 }  // namespace
 
 MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanics::TriangleMesh& mesh)
     : name_(layer.name),
-      law_(std::get<scene::J2Law>(layer.law)),
+      law_(find_j2(layer)),
+      hill48_(make_hill48(layer)),
       rule_(make_lobatto_rule(layer.integration_points)),
       thickness0_(layer.thickness),
-      patches_(mechanics::make_shell_patches(mesh, 0.0)),
+      shell_(mechanics::make_shell_geometry(mesh, find_frame_angle(layer))),
+      own_(make_own(layer, rule_, shell_, mesh.reference)),
       mass_(mechanics::compute_lumped_mass(mesh, layer.thickness, density)),
+      edges_(shell_, {compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), layer.thickness * density}),
+      bending_frequency2_(mechanics::compute_bending_frequencies2(
+          shell_, compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), mass_, edges_.inertia())),
+      passes_(shell_),
       workers_(layer.threads) {
   const Eigen::Index n = n_elements(), points = rule_.size();
-  bending_compliance_ = compute_bending_compliance(patches_, mass_, law_.poisson);
   nodal_stiffness_.resize(mesh.n_nodes());
   metric_ = Rows::Zero(3, n);
   metric_.topRows(2).setOnes();
@@ -44,45 +83,73 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
   yield_stress_ = Rows::Constant(points, n, initial.stress);
   yield_slope_ = Rows::Constant(points, n, initial.slope);
   thickness_ = mechanics::Scalars::Constant(n, layer.thickness);
-  slot_force_ = mechanics::NodalVectors::Zero(3, 6 * n);
+  slot_force_ = mechanics::NodalVectors::Zero(3, 3 * n);
   block_work_.resize(static_cast<std::size_t>(solve::count_blocks(n)));
+  block_edge_work_.resize(static_cast<std::size_t>(solve::count_blocks(shell_.n_edges())));
   block_bad_.resize(block_work_.size());
 }
 
-void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position, double time,
+void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                          mechanics::NodalVectors& force) {
-  workers_.for_each_block(n_elements(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    block_bad_[block] = {};
-    block_work_[block] = advance_elements(position, begin, end, block_bad_[block]);
+  const Eigen::Index n = n_elements(), n_edges = shell_.n_edges();
+  workers_.for_each_block(
+      n_edges, [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) { edges_.advance(now.dt, begin, end); });
+  edges_.finish(now.dt);
+  if (own_) own_->begin(position, now);
+  workers_.for_each_block(n, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    compute_facets(position, begin, end, block_bad_[block]);
   });
-  for (const BadElement& bad : block_bad_)
-    if (bad.element >= 0) report(bad, position, time);
+  throw_if_bad(position, now.time);
+  workers_.for_each_block(n, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    block_work_[block] = advance_elements(begin, end, block_bad_[block]);
+  });
+  throw_if_bad(position, now.time);
+  workers_.for_each_block(n, [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) mechanics::add_bending_forces(shell_, passes_, e, slot_force_);
+  });
+  workers_.for_each_block(n_edges, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    block_edge_work_[block] = edges_.update_torques(shell_, passes_, now.dt, begin, end);
+  });
   for (const double work : block_work_) internal_energy_ += work;
+  for (const double work : block_edge_work_) internal_energy_ += work;
   force.resize(3, position.cols());
   workers_.for_each_block(position.cols(), [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
-    mechanics::gather_forces(patches_.gather, slot_force_, begin, end, force);
+    mechanics::gather_forces(shell_.gather, slot_force_, begin, end, force);
   });
 }
 
-double MetalLayer::advance_elements(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end,
-                                    BadElement& bad) {
+void MetalLayer::compute_facets(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end,
+                                BadElement& bad) {
+  bad = {};
+  for (Eigen::Index e = begin; e < end; ++e) {
+    const auto g = mechanics::compute_surface_gradient(shell_, position, e);
+    passes_.store_facet(e, g);
+    const bool usable = g.area_ratio > kSmallestAreaRatio && g.area_ratio <= kLargestAreaRatio;
+    if (!usable && bad.element < 0) bad = {e, g.area_ratio};
+  }
+}
+
+double MetalLayer::advance_elements(Eigen::Index begin, Eigen::Index end, BadElement& bad) {
   double work = 0;
   for (Eigen::Index e = begin; e < end; ++e) {
-    const auto g = mechanics::compute_surface_gradient(patches_, position, e);
-    if (!(g.area_ratio > kSmallestAreaRatio && g.area_ratio <= kLargestAreaRatio)) {
-      bad = {e, g.area_ratio};
-      return work;
-    }
-    const auto k = mechanics::compute_curvature(patches_, position, e, g);
+    const mechanics::SurfaceGradient g = passes_.facet(e);
+    const auto k = mechanics::compute_curvature(shell_, passes_, edges_.angle(), e);
     const ElementShape now{
         {g.f1.squaredNorm(), g.f2.squaredNorm(), g.f1.dot(g.f2)}, {k.k11, k.k22, k.k12}, g.area_ratio};
-    add_element_forces(e, g, k, advance_element(e, now, work));
+    const Resultants r = advance_element(e, now, work);
+    store_membrane_forces(e, g, r.force);
+    mechanics::store_moments(shell_, k, r.moment.m11, r.moment.m22, r.moment.m12, e, passes_);
     if (!(thickness_(e) > 0 && std::isfinite(thickness_(e)))) {
       bad = {e, g.area_ratio};
       return work;
     }
   }
   return work;
+}
+
+void MetalLayer::throw_if_bad(const mechanics::NodalVectors& position, double time) const {
+  for (const BadElement& bad : block_bad_)
+    if (bad.element >= 0) report(bad, position, time);
 }
 
 J2Point MetalLayer::load_point(int i, Eigen::Index e) const {
@@ -102,6 +169,7 @@ Resultants MetalLayer::advance_element(Eigen::Index e, const ElementShape& now, 
   const double thickness_before = thickness_(e);
   const StrainIncrement de = compute_strain_increment(before, now, thickness_before);
 
+  if (own_) own_->advance(e, now, de, thickness_before);
   Symmetric2 mean, moment;
   double thickness_strain = 0, stress_work = 0;
   for (int i = 0; i < rule_.size(); ++i) {
@@ -109,15 +177,17 @@ Resultants MetalLayer::advance_element(Eigen::Index e, const ElementShape& now, 
     const Symmetric2 strain = de.membrane + xi * de.bending;
     J2Point point = load_point(i, e);
     const Symmetric2 stress_before = point.stress;
-    thickness_strain += w * update_point(law_, strain, point);
+    thickness_strain += w * (own_      ? own_->take(i, point)
+                             : hill48_ ? update_point(*hill48_, strain, point)
+                                       : update_point(law_, strain, point));
     stress_work += w * 0.5 * contract(stress_before + point.stress, strain);
     mean = mean + w * point.stress;
     moment = moment + (w * xi) * point.stress;
     store_point(i, e, point);
   }
+  if (own_ && own_->is_still()) return compute_resultants(now, thickness_before, mean, moment);
   const double thickness = thickness_before * std::exp(thickness_strain);
-  const double mean_volume =
-      0.5 * patches_.area(e) * (before.area_ratio * thickness_before + now.area_ratio * thickness);
+  const double mean_volume = 0.5 * shell_.area(e) * (before.area_ratio * thickness_before + now.area_ratio * thickness);
   work += mean_volume * stress_work;
   thickness_(e) = thickness;
   store(metric_, 0, e, now.metric);
@@ -125,22 +195,12 @@ Resultants MetalLayer::advance_element(Eigen::Index e, const ElementShape& now, 
   return compute_resultants(now, thickness, mean, moment);
 }
 
-void MetalLayer::add_element_forces(Eigen::Index e, const mechanics::SurfaceGradient& g,
-                                    const mechanics::Curvature& curvature, const Resultants& r) {
-  double along_t3[6];
-  mechanics::compute_bending_forces(patches_, e, curvature, r.moment.m11, r.moment.m22, r.moment.m12, along_t3);
-  const double area = patches_.area(e);
-  const mechanics::Vector3 p1 = area * (r.force.m11 * g.f1 + r.force.m12 * g.f2);
-  const mechanics::Vector3 p2 = area * (r.force.m12 * g.f1 + r.force.m22 * g.f2);
-  const Eigen::Index n = n_elements();
+void MetalLayer::store_membrane_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const Symmetric2& force) {
+  const mechanics::Vector3 p1 = shell_.area(e) * (force.m11 * g.f1 + force.m12 * g.f2);
+  const mechanics::Vector3 p2 = shell_.area(e) * (force.m12 * g.f1 + force.m22 * g.f2);
   for (int k = 0; k < 3; ++k) {
-    const mechanics::Vector3 own =
-        patches_.gradient(2 * k, e) * p1 + patches_.gradient(2 * k + 1, e) * p2 + along_t3[k] * g.t3;
-    const double far = along_t3[3 + k];
-    for (int c = 0; c < 3; ++c) slot_force_(c, k * n + e) = own(c);
-    slot_force_(0, (3 + k) * n + e) = far * g.t3.x();
-    slot_force_(1, (3 + k) * n + e) = far * g.t3.y() * patches_.mirror_y(k, e);
-    slot_force_(2, (3 + k) * n + e) = far * g.t3.z();
+    const mechanics::Vector3 own = shell_.gradient(2 * k, e) * p1 + shell_.gradient(2 * k + 1, e) * p2;
+    for (int c = 0; c < 3; ++c) slot_force_(c, k * n_elements() + e) = own(c);
   }
 }
 
@@ -149,9 +209,9 @@ MetalLayer::CornerGradients MetalLayer::compute_corner_gradients(Eigen::Index e)
   const double j = std::sqrt(metric.determinant());
   const Symmetric2 u = compute_inverse_stretch(metric, j);
   CornerGradients corner;
-  corner.volume = patches_.area(e) * j * thickness_(e);
+  corner.volume = shell_.area(e) * j * thickness_(e);
   for (int k = 0; k < 3; ++k) {
-    const double b1 = patches_.gradient(2 * k, e), b2 = patches_.gradient(2 * k + 1, e);
+    const double b1 = shell_.gradient(2 * k, e), b2 = shell_.gradient(2 * k + 1, e);
     const double g1 = u.m11 * b1 + u.m12 * b2, g2 = u.m12 * b1 + u.m22 * b2;
     corner.product[k] = {g1 * g1, g2 * g2, g1 * g2};
   }
@@ -162,28 +222,30 @@ double MetalLayer::compute_stable_increment() {
   nodal_stiffness_.setZero();  // q of (T2)
   for (Eigen::Index e = 0; e < n_elements(); ++e) {
     const CornerGradients corner = compute_corner_gradients(e);
-    for (int k = 0; k < 3; ++k) nodal_stiffness_(patches_.nodes(k, e)) += corner.volume * corner.product[k].trace();
+    for (int k = 0; k < 3; ++k) nodal_stiffness_(shell_.nodes(k, e)) += corner.volume * corner.product[k].trace();
   }
-  const double bending_modulus = 0.25 * rule_.second_moment() * law_.young / (1 - law_.poisson * law_.poisson);
+  const double young = own_ ? own_->compute_modulus_bound() : law_.young, poisson = own_ ? 0 : law_.poisson;
+  const double stiffening = own_ ? std::max(1.0, young / own_->initial_modulus_bound()) : 1;
   double highest = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e) {
     const CornerGradients corner = compute_corner_gradients(e);
     Symmetric2 gram;
     for (int k = 0; k < 3; ++k) {
-      const int node = patches_.nodes(k, e);
+      const int node = shell_.nodes(k, e);
       const double weight = nodal_stiffness_(node) / (mass_(node) * corner.product[k].trace());
       gram = gram + weight * corner.product[k];
     }
     double von_mises = 0;
     for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load(stress_, 3 * i, e)));
     const double stress = 1.1547005383792517 * von_mises;  // no principal plane stress exceeds 2/sqrt(3) s_eq
-    const double membrane = bound_membrane_frequency2(gram, law_.young, law_.poisson, stress);
-    // physical curvature is U^-1 kappa U^-1
+    const double membrane = bound_membrane_frequency2(gram, young, poisson, stress);
+    // physical curvature is U^-1 kappa U^-1, and the columns of the edges grow like the heights
     const Symmetric2 metric = load(metric_, 0, e);
-    const double t = thickness_(e), least = compute_principal(metric).second;
+    const auto [most, least] = compute_principal(metric);
+    const double t = thickness_(e) / thickness0_;
     const double bending =
-        std::sqrt(metric.determinant()) * t * t * t * bending_modulus / (least * least) * bending_compliance_(e);
-    highest = std::max(highest, membrane + bending);  // (T1)
+        bending_frequency2_(e) * std::sqrt(metric.determinant()) * t * t * t / (least * least) * std::max(1.0, most);
+    highest = std::max(highest, membrane + stiffening * bending);  // (T1)
   }
   return 2 / std::sqrt(highest);
 }
@@ -191,13 +253,13 @@ double MetalLayer::compute_stable_increment() {
 void MetalLayer::report(const BadElement& bad, const mechanics::NodalVectors& position, double time) const {
   const Eigen::Index e = bad.element;
   mechanics::Vector3 centre = mechanics::Vector3::Zero();
-  for (int k = 0; k < 3; ++k) centre += mechanics::at(position, patches_.nodes(k, e)) / 3;
+  for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.nodes(k, e)) / 3;
   std::ostringstream text;
   text << "layer " << name_ << ", element " << e << " at (" << centre.x() << ", " << centre.y() << ", " << centre.z()
        << ") mm, t = " << time << " s: ";
-  int lost = -1;  // node of the patch without a finite position
-  for (int slot = 5; slot >= 0; --slot)
-    if (!mechanics::at(position, patches_.nodes(slot, e)).allFinite()) lost = patches_.nodes(slot, e);
+  int lost = -1;  // corner without a finite position
+  for (int k = 2; k >= 0; --k)
+    if (!mechanics::at(position, shell_.nodes(k, e)).allFinite()) lost = shell_.nodes(k, e);
   if (lost >= 0) {
     const mechanics::Vector3 x = mechanics::at(position, lost);
     text << "node " << lost << " is at (" << x.x() << ", " << x.y() << ", " << x.z()
@@ -206,6 +268,9 @@ void MetalLayer::report(const BadElement& bad, const mechanics::NodalVectors& po
     text << "area ratio " << bad.area_ratio << " is not in [" << kSmallestAreaRatio << ", " << kLargestAreaRatio
          << "], the element is crushed or torn open; refine blank.mesh_size, lower time.safety, or check friction and "
             "blank-holder pressure";
+  } else if (own_) {
+    text << "the vumat returned a stress or a thickness strain that is not finite; check law.vumat.parameters of this "
+            "layer, or lower time.safety";
   } else {
     text << "thickness is " << thickness_(e)
          << " mm, the strain increment was too large; lower time.safety or time.vote_every, or check the hardening";

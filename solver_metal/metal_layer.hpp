@@ -2,22 +2,26 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "mechanics/shell_patch.hpp"
+#include "mechanics/edge_motion.hpp"
 #include "solve/blocks.hpp"
 #include "solve/layer_mechanics.hpp"
+#include "solver_metal/hill48.hpp"
 #include "solver_metal/j2_law.hpp"
 #include "solver_metal/lobatto.hpp"
 #include "solver_metal/metal_element.hpp"
+#include "solver_metal/vumat_section.hpp"
 
 namespace interply::metal {
 
 /// Elements innermost; rows as named.
 using Rows = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rotation-free shell (services/mechanics/shell_patch.hpp) with J2 plasticity at the points of a Lobatto rule.
-/// Frame: x, y of the flat blank; J2 is isotropic, so the layer's orientation plays no part.
+/// Shell of edge rotations (services/mechanics/edge_shell.hpp) with J2 or Hill48 plasticity, or a user's own law,
+/// at the points of a Lobatto rule. Reference frame: x, y of the flat blank; with Hill48 or an own law the rolling
+/// direction, at the layer's orientation from x, and across it.
 class MetalLayer : public solve::LayerMechanics {
  public:
   /// @param layer         law, thickness, integration points, threads; its own density is not used
@@ -25,7 +29,7 @@ class MetalLayer : public solve::LayerMechanics {
   /// @pre layer.kind() == Metal
   MetalLayer(const scene::Layer& layer, double density, const mechanics::TriangleMesh& mesh);
 
-  void compute_internal_forces(const mechanics::NodalVectors& position, double time,
+  void compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                mechanics::NodalVectors& force) override;
   double internal_energy() const override { return internal_energy_; }
   double compute_stable_increment() override;
@@ -47,26 +51,31 @@ class MetalLayer : public solve::LayerMechanics {
     double volume = 0;
   };
 
-  Eigen::Index n_elements() const { return patches_.n_elements(); }
+  Eigen::Index n_elements() const { return shell_.n_elements(); }
   J2Point load_point(int i, Eigen::Index e) const;
   void store_point(int i, Eigen::Index e, const J2Point& point);
-  /// Elements [begin, end): strain, stress, thickness and element forces. Returns their stress work, mJ.
-  double advance_elements(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end,
-                          BadElement& bad);
+  /// First pass: facets; finds the first element of a block that is crushed or torn.
+  void compute_facets(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end, BadElement& bad);
+  /// Second pass: strain, stress, thickness, moments, and the forces of the membrane into the slots. Returns the stress
+  /// work, mJ.
+  double advance_elements(Eigen::Index begin, Eigen::Index end, BadElement& bad);
   /// Stress, thickness and resultants of one element; adds its stress work to `work`.
   Resultants advance_element(Eigen::Index e, const ElementShape& now, double& work);
-  void add_element_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const mechanics::Curvature& curvature,
-                          const Resultants& r);
+  void store_membrane_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const Symmetric2& force);
+  void throw_if_bad(const mechanics::NodalVectors& position, double time) const;
   CornerGradients compute_corner_gradients(Eigen::Index e) const;
   [[noreturn]] void report(const BadElement& bad, const mechanics::NodalVectors& position, double time) const;
 
   std::string name_;
   J2Constants law_;
+  std::optional<Hill48Constants> hill48_;
   ThicknessRule rule_;
   double thickness0_;  // mm
-  mechanics::ShellPatches patches_;
-  mechanics::Scalars mass_;                // lumped, with mass scaling [n_nodes] t
-  mechanics::Scalars bending_compliance_;  // [n_el], see stable_increment.hpp
+  mechanics::ShellGeometry shell_;
+  std::unique_ptr<VumatSection> own_;  // the user's law and its history, or null
+  mechanics::Scalars mass_;            // lumped, with mass scaling [n_nodes] t
+  mechanics::EdgeMotion edges_;
+  mechanics::Scalars bending_frequency2_;  // of the flat elastic sheet [n_el] 1/s2
 
   // state after the last compute_internal_forces()
   Rows metric_;                   // C11, C22, C12                          [3 x n_el]
@@ -80,8 +89,9 @@ class MetalLayer : public solve::LayerMechanics {
 
   // scratch, sized once
   mechanics::Scalars nodal_stiffness_;  // [n_nodes] mm
-  mechanics::NodalVectors slot_force_;  // force on slot s of element e in column s * n_el + e [3 x 6 n_el] N
-  std::vector<double> block_work_;
+  mechanics::ShellPasses passes_;
+  mechanics::NodalVectors slot_force_;  // force on corner k of element e in column k * n_el + e [3 x 3 n_el] N
+  std::vector<double> block_work_, block_edge_work_;
   std::vector<BadElement> block_bad_;
   solve::Workers workers_;
 };

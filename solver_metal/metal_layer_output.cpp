@@ -19,16 +19,15 @@ observe::Field make_field(const char* name, const char* unit, const char* descri
 }  // namespace
 
 mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
-  const auto& gather = patches_.gather;
-  const Eigen::Index n_nodes = static_cast<Eigen::Index>(gather.start.size()) - 1, corners = 3 * n_elements();
+  const auto& gather = shell_.gather;
+  const Eigen::Index n_nodes = static_cast<Eigen::Index>(gather.start.size()) - 1;
   mechanics::Scalars nodal(n_nodes);
   for (Eigen::Index node = 0; node < n_nodes; ++node) {
     double volume = 0, area = 0;
     for (int i = gather.start[node]; i < gather.start[node + 1]; ++i) {
-      if (gather.entry[i] >= corners) continue;  // far corner of a neighbour's patch
       const Eigen::Index e = gather.entry[i] % n_elements();
-      volume += patches_.area(e) * thickness_(e);
-      area += patches_.area(e);
+      volume += shell_.area(e) * thickness_(e);
+      area += shell_.area(e);
     }
     nodal(node) = area > 0 ? volume / area : thickness0_;
   }
@@ -49,14 +48,11 @@ std::vector<observe::Field> MetalLayer::compute_fields() const {
   const auto stretches = [&](Eigen::Index e) {
     return compute_principal({metric_(0, e), metric_(1, e), metric_(2, e)});
   };
-  return {
+  std::vector<observe::Field> fields{
       make_field("thickness", "mm", "current thickness", n, [&](auto e) { return thickness_(e); }),
-      make_field("plastic_strain", "1", "equivalent plastic strain, largest through the thickness", n,
-                 [&](auto e) { return plastic_strain_.col(e).maxCoeff(); }),
-      make_field("plastic_strain_mean", "1", "equivalent plastic strain, mean through the thickness", n, mean_strain),
-      make_field("sigma_11", "MPa", "Cauchy stress along x at the midsurface, polar frame", n,
-                 [&](auto e) { return midsurface(e).m11; }),
-      make_field("sigma_22", "MPa", "Cauchy stress along y at the midsurface, polar frame", n,
+      make_field("sigma_11", "MPa", "Cauchy stress along x (rolling, where it counts) at the midsurface, polar frame",
+                 n, [&](auto e) { return midsurface(e).m11; }),
+      make_field("sigma_22", "MPa", "Cauchy stress across sigma_11 at the midsurface, polar frame", n,
                  [&](auto e) { return midsurface(e).m22; }),
       make_field("sigma_12", "MPa", "Cauchy shear stress at the midsurface, polar frame", n,
                  [&](auto e) { return midsurface(e).m12; }),
@@ -67,21 +63,35 @@ std::vector<observe::Field> MetalLayer::compute_fields() const {
       make_field("stretch_2", "1", "smaller principal stretch of the midsurface", n,
                  [&](auto e) { return std::sqrt(stretches(e).second); }),
   };
+  if (own_) {
+    own_->add_fields(fields);
+    return fields;
+  }
+  fields.push_back(make_field("plastic_strain", "1", "equivalent plastic strain, largest through the thickness", n,
+                              [&](auto e) { return plastic_strain_.col(e).maxCoeff(); }));
+  fields.push_back(
+      make_field("plastic_strain_mean", "1", "equivalent plastic strain, mean through the thickness", n, mean_strain));
+  return fields;
 }
 
 std::vector<exchange::SummaryItem> MetalLayer::summarise() const {
   double von_mises = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e)
     for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));
-  return {{"plastic strain up to", "1", plastic_strain_.maxCoeff()},
-          {"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)},
-          {"von Mises stress up to", "MPa", von_mises}};
+  std::vector<exchange::SummaryItem> items;
+  if (!own_) items.push_back({"plastic strain up to", "1", plastic_strain_.maxCoeff()});
+  items.push_back({"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)});
+  items.push_back({"von Mises stress up to", "MPa", von_mises});
+  return items;
 }
 
 void MetalLayer::add_state_to(mechanics::Digest& digest) const {
   digest.add(stress_);
   digest.add(plastic_strain_);
   digest.add(thickness_);
+  digest.add(edges_.angle());
+  digest.add(edges_.rate());
+  if (own_) own_->add_state_to(digest);
 }
 
 }  // namespace interply::metal

@@ -5,10 +5,10 @@
 ///   dt = 2 / w,   w^2 <= max over elements of (w_membrane^2 + w_bending^2)                               (T1)
 ///
 /// Dividing the mass in proportion to the stiffness at the node, not evenly, keeps a badly shaped element from deciding
-/// alone. All here is derived and checked in the tests against the largest eigenvalue of the assembled M^-1 K.
+/// alone. That of bending is mechanics::compute_bending_frequencies2(). All here is derived and checked in the tests
+/// against the largest eigenvalue of the assembled M^-1 K.
 #pragma once
 
-#include "mechanics/shell_patch.hpp"
 #include "solver_metal/symmetric2.hpp"
 
 namespace interply::metal {
@@ -25,12 +25,5 @@ namespace interply::metal {
 /// @param gram    G of (T2), mm/t
 /// @param stress  bound of |s|, MPa
 double bound_membrane_frequency2(const Symmetric2& gram, double young, double poisson, double stress);
-
-/// Per element of the flat sheet, lambda_max(D B M^-1 B') A for the curvature operator B of its patch, on shares of the
-/// nodal masses in proportion to |B_s|^2 A of the six slots s, and D the isotropic plate stiffness divided by
-/// E t^3 <xi^2>/(4 (1 - nu^2)). Times that is w_bending^2. [n_el] 1/(t mm2)
-/// @param mass  lumped, t [n_nodes]
-mechanics::Scalars compute_bending_compliance(const mechanics::ShellPatches& patches, const mechanics::Scalars& mass,
-                                              double poisson);
 
 }  // namespace interply::metal

@@ -5,30 +5,20 @@
 ///
 ///   l = ((x_1 - x_p).N)/(n.N) + r      r = 1/2 sum_{i<j} w_i w_j (x_j - x_i).(n_j - n_i)                     (C1)
 ///
-/// The normal force is the exact gradient of the penalty energy 1/2 k A (h - l)^2 by all nodal positions, those that
-/// only turn a normal included. So, whatever the meshes, pressure neither creates nor loses energy when nodes slide
-/// over facets, and linear and angular momentum are conserved.
+/// The normal force is the exact gradient of the penalty energy 1/2 k s A (h - l)^2 by all nodal positions, those that
+/// only turn a normal or change the share s at the partner's edge included. Friction and damper act at one point that
+/// both sides share, between the midsurfaces (C4). So, whatever the meshes, pressure neither creates nor loses energy
+/// when nodes slide over facets, and linear and angular momentum are conserved.
 #pragma once
 
 #include <vector>
 
-#include "contact/normals.hpp"
+#include "contact/layer_geometry.hpp"
 #include "contact/pairing.hpp"
 #include "contact/points.hpp"
-#include "mechanics/mesh.hpp"
+#include "contact/smooth_facet.hpp"
 
 namespace interply::contact {
-
-/// What contact needs to know of one layer at one instant.
-struct LayerGeometry {
-  const mechanics::TriangleMesh* mesh = nullptr;
-  const VertexNormals* normals = nullptr;
-  NodalVectors position;   ///< x(n)                        [3 x n_nodes] mm
-  NodalVectors increment;  ///< x(n) - x(n - 1)             [3 x n_nodes] mm
-  NodalVectors normal;     ///< averaged vertex normals, up [3 x n_nodes]
-  Scalars half_thickness;  ///< current                     [n_nodes]     mm
-  Scalars mass;            ///< lumped                      [n_nodes]     t
-};
 
 class LayerInterface {
  public:
@@ -50,6 +40,18 @@ class LayerInterface {
   const NodalVectors& force_on_upper() const { return force_on_upper_; }  ///< [3 x n_nodes of upper] N
 
  private:
+  /// Node i against the facet it faces now.
+  struct Approach {
+    Facing facing;
+    SmoothFacet facet;
+    Rise rise;
+    double distance = 0, height = 0;  ///< l and h, mm
+  };
+  Approach approach(Eigen::Index i, const Facing& facing) const;
+  /// Adds the spring energy that node i gains by facing another triangle beyond the edge to `edge`.
+  void book_change_of_triangle(Eigen::Index i, int before, const Approach& now);
+  void update_point(Eigen::Index i, double dt);
+
   InterfaceLaw law_;
   const LayerGeometry& lower_;
   const LayerGeometry& upper_;
@@ -57,7 +59,7 @@ class LayerInterface {
   std::vector<Facing> facing_;
   NodalVectors force_on_lower_, force_on_upper_;
   NodalVectors old_force_on_lower_, old_force_on_upper_;
-  NodalVectors pull_on_lower_, pull_on_upper_;  ///< derivative of the energy by the normals [3 x n_nodes] mJ
+  NodalVectors pull_on_lower_, pull_on_upper_;  ///< minus the derivative of the energy by the normals [3 x n_nodes] mJ
   InterfaceEnergies energies_;
 };
 

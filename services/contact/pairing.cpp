@@ -35,11 +35,30 @@ Projection project_on(const mechanics::TriangleMesh& mesh, const mechanics::Noda
                  mechanics::at(y, mesh.triangles(2, t)));
 }
 
+constexpr double kOnSide = -1e-9;  // a node on a side stays with the triangle it has
+
+/// Edge and share from the weights.
+void settle(const mechanics::TriangleMesh& partner, Facing& facing) {
+  double least = kOnSide;
+  for (int k = 0; k < 3; ++k) {
+    if (facing.projection.weight[k] >= least || partner.neighbours(k, facing.triangle) >= 0) continue;
+    least = facing.projection.weight[k];
+    facing.edge = k;
+  }
+  if (facing.edge >= 0) facing.share = std::max(0.0, 1 + least / kEdgeMargin);
+}
+
 }  // namespace
+
+Facing hold(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& y, const Vector3& x,
+            const Vector3& normal, int t) {
+  Facing facing{.triangle = t, .projection = project_on(partner, y, x, normal, t)};
+  settle(partner, facing);
+  return facing;
+}
 
 Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& y, const Vector3& x,
                    const Vector3& normal, int triangle) {
-  constexpr double kOnSide = -1e-9;  // a node on a side stays with the triangle it has
   constexpr int kLongestWalk = 64;
   Facing facing{.triangle = triangle, .projection = project_on(partner, y, x, normal, triangle)};
   int out = most_negative(facing.projection);
@@ -62,14 +81,7 @@ Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::Noda
     }
     out = most_negative(facing.projection);
   }
-  Projection& p = facing.projection;
-  const double beyond = -p.weight[out];
-  if (beyond > -kOnSide) {  // beyond the edge: hold on to it a little
-    facing.share = std::clamp(1 - beyond / kEdgeMargin, 0.0, 1.0);
-    double sum = 0;
-    for (double& w : p.weight) sum += (w = std::max(w, 0.0));
-    for (double& w : p.weight) w /= sum;
-  }
+  settle(partner, facing);
   return facing;
 }
 

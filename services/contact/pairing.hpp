@@ -21,12 +21,18 @@ struct Projection {
 Projection project(const mechanics::Vector3& x, const mechanics::Vector3& n, const mechanics::Vector3& a,
                    const mechanics::Vector3& b, const mechanics::Vector3& c);
 
-/// A node and the place it faces.
+/// A node and the place it faces. Beyond the partner's edge the weights are those of the extended facet, one of them
+/// negative.
 struct Facing {
-  int triangle = -1;      ///< -1: faces nothing
-  Projection projection;  ///< weights clamped to the triangle if the node is beyond the partner's edge
-  double share = 1;       ///< 1 inside, falls to 0 at kEdgeMargin beyond the edge
+  int triangle = -1;  ///< -1: faces nothing
+  Projection projection;
+  int edge = -1;     ///< corner opposite the side of the partner's edge that the node is beyond, or -1
+  double share = 1;  ///< 1 inside, 1 + weight[edge]/kEdgeMargin beyond the edge, down to 0
 };
+
+/// The facing of a node that is held to triangle `t`, whether it is above it or not.
+Facing hold(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
+            const mechanics::Vector3& x, const mechanics::Vector3& normal, int t);
 
 /// Projects along the normal, starting at `triangle` and walking across the side with the most negative weight.
 /// Beyond the partner's edge the last triangle is kept (so that the node can come back) with share 0 if it is too far.

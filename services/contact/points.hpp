@@ -30,6 +30,15 @@ double compute_stiffness(double reference_pressure, double fraction, double thic
 /// @param mass_per_area      t/mm2; pass infinity for a rigid partner
 double compute_damping(double fraction, double stiffness, double mass_per_area_1, double mass_per_area_2);
 
+/// What friction at a distance from the midsurface adds to the largest eigenvalue of a contact spring: a normal that
+/// turns moves the point where it acts, so displacements w across the layer enter the slip as offset x dw/dx. With
+/// e = offset/h_el the largest eigenvalue of [1, e; e, 1 + e^2] is (e/2 + sqrt(1 + e^2/4))^2.                     (C5)
+/// @param offset  of the common point from the midsurface, mm    @param area  tributary, h_el^2, mm2
+inline double compute_turning_factor(double offset, double area) {
+  const double half = 0.5 * offset / std::sqrt(area), root = half + std::sqrt(1 + half * half);
+  return root * root;
+}
+
 enum class State : int { Open = 0, Stick = 1, Slide = 2 };
 
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the
@@ -57,10 +66,11 @@ struct InterfaceEnergies {
   double friction = 0;  ///< dissipated by slip
   double damping = 0;   ///< dissipated by contact damping
   double thinning = 0;  ///< put in by growing (> 0) or thinning (< 0) layers
+  double edge = 0;      ///< put in by the springs of nodes that pass the partner's edge, where the pair itself changes
   double work = 0;      ///< done by the contact forces on both partners, trapezoid over their displacement increments
 
   /// What the books do not explain; zero for a perfect balance.
-  double residual() const { return stored + friction + damping - thinning + work; }
+  double residual() const { return stored + friction + damping - thinning - edge + work; }
 };
 
 /// What a point sees in one step. The normal points from the node to its partner.
@@ -69,16 +79,32 @@ struct PointMotion {
   double height = 0;    ///< distance at which they touch, mm
   double weight = 1;
   Vector3 normal;  ///< unit; the direction of the damper, and friction acts across it
-  Vector3 push;    ///< gradient of the distance by the partner's place: the penalty pushes along it, push.n = 1
-  Vector3 slip;    ///< displacement increment of the node against its partner, mm
+  Vector3 stick;   ///< e(n - 1), carried along with the partner, mm
+  Vector3 slip;    ///< displacement increment of the node's side against its partner's at their common point, mm
   double dt = 0;   ///< s; 0 at the start of a run
 };
 
-/// Advances point `i` and returns the force on its node, N. Adds to friction, damping, thinning and stored.
+/// What a point gives.
+struct PointForce {
+  double pressing = 0;             ///< k A max(-g, 0): minus the derivative of the penalty energy by the gap, N
+  Vector3 drag = Vector3::Zero();  ///< of friction and damper on the node's side, acts at the common point, N
+};
+
+/// A point that was open and stays so has nothing to compute but its gap.
+inline bool stays_open(Points& points, Eigen::Index i, double gap, double height, double weight) {
+  if (gap < 0 || points.pressure(i) != 0 || points.state(i) != static_cast<int>(State::Open)) return false;
+  points.gap(i) = gap;
+  points.height(i) = height;
+  points.weight(i) = weight;
+  return true;
+}
+
+/// Advances point `i`. Adds to friction, damping, thinning, edge and stored.
 /// Return mapping: trial e + slip_t; |k_t e| <= mu p, or e is scaled back and the rest slides. Friction dissipates
 /// 1/2 (tau_n + tau_n+1) . slide, which together with 1/2 k_t e^2 is exactly the trapezoid work of the traction.
-inline Vector3 advance_point(const InterfaceLaw& law, Points& points, Eigen::Index i, const PointMotion& m,
-                             InterfaceEnergies& energies) {
+/// @pre not stays_open()
+inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::Index i, const PointMotion& m,
+                                InterfaceEnergies& energies) {
   const double old_pressure = points.pressure(i), old_damping = points.damping(i);
   const double old_weight = points.weight(i);
   const double gap = m.distance - m.height;
@@ -88,18 +114,13 @@ inline Vector3 advance_point(const InterfaceLaw& law, Points& points, Eigen::Ind
     elastic = -law.stiffness * gap;
     const double damped = m.dt > 0 ? elastic + law.damping * closing / m.dt : elastic;
     pressure = damped > 0 ? damped : 0.0;
-  } else if (old_pressure == 0 && points.state(i) == static_cast<int>(State::Open)) {
-    points.gap(i) = gap;  // was open, stays open
-    points.height(i) = m.height;
-    points.weight(i) = m.weight;
-    return Vector3::Zero();
   }
   // friction
-  const Vector3 old_stick = mechanics::at(points.stick, i);
-  Vector3 trial = old_stick - old_stick.dot(m.normal) * m.normal;
-  const double turned = trial.squaredNorm();
-  if (turned > 0) trial *= std::sqrt(old_stick.squaredNorm() / turned);  // the spring turns with the surface
-  trial += m.slip - closing * m.normal;
+  Vector3 start = m.stick - m.stick.dot(m.normal) * m.normal;
+  const double turned = start.squaredNorm();
+  if (turned > 0)  // the spring turns with the surface and keeps its length
+    start *= std::sqrt(mechanics::at(points.stick, i).squaredNorm() / turned);
+  const Vector3 trial = start + m.slip - closing * m.normal;
   const double limit = law.friction * pressure;
   const double trial_traction = law.tangential * trial.norm();
   Vector3 stick = trial;
@@ -116,6 +137,7 @@ inline Vector3 advance_point(const InterfaceLaw& law, Points& points, Eigen::Ind
   energies.damping += both * (old_weight * old_damping + m.weight * (pressure - elastic)) * closing;
   energies.thinning +=
       both * (old_weight * (old_pressure - old_damping) + m.weight * elastic) * (m.height - points.height(i));
+  energies.edge += both * law.tangential * (m.weight - old_weight) * start.dot(stick);
   energies.stored += m.weight * area *
                      (0.5 * (gap < 0 ? law.stiffness * gap * gap : 0.0) + 0.5 * law.tangential * stick.squaredNorm());
 
@@ -130,12 +152,8 @@ inline Vector3 advance_point(const InterfaceLaw& law, Points& points, Eigen::Ind
     points.stick(d, i) = stick(d);
     points.traction(d, i) = traction(d);
   }
-  return m.weight * area * (traction - elastic * m.push - (pressure - elastic) * m.normal);
-}
-
-/// Elastic part of the normal force of point `i`, N: the derivative of its penalty energy by the distance.
-inline double elastic_force(const Points& points, Eigen::Index i) {
-  return points.weight(i) * points.area(i) * (points.pressure(i) - points.damping(i));
+  return {.pressing = m.weight * area * elastic,
+          .drag = m.weight * area * (traction - (pressure - elastic) * m.normal)};
 }
 
 /// Penetrations of all touching points of several interfaces, relative to a thickness, with their areas.

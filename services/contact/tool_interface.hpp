@@ -1,4 +1,6 @@
-/// Contact of one layer with one rigid tool given as a signed distance field.
+/// Contact of one layer with one rigid tool given as a signed distance field. Pressure acts on the midsurface node
+/// along the field's gradient; friction and damper act where the layer's surface is, half a thickness away along the
+/// layer's own normal, and slip is measured there (THEORY.md 2).
 #pragma once
 
 #include <memory>
@@ -14,9 +16,10 @@ namespace interply::contact {
 struct Tool {
   std::string name;
   std::unique_ptr<SignedDistance> shape;
-  double z = 0;                     ///< height of the tool's reference point, mm
-  double increment = 0;             ///< z(n) - z(n - 1), mm
-  Vector3 force = Vector3::Zero();  ///< of the layers on the tool, N
+  double z = 0;                      ///< height of the tool's reference point, mm
+  double increment = 0;              ///< z(n) - z(n - 1), mm
+  Vector3 force = Vector3::Zero();   ///< of the layers on the tool, N
+  Vector3 moment = Vector3::Zero();  ///< of the same about the origin, N mm
 };
 
 class ToolInterface {
@@ -46,6 +49,7 @@ class ToolInterface {
   Scalars slack_;  ///< path length that the node may still move relative to the tool before it can touch [n] mm
   double near_;    ///< gap below which a node counts for the stable increment, mm
   NodalVectors force_on_layer_, old_force_on_layer_;
+  NodalVectors pull_on_layer_;  ///< as in LayerInterface [3 x n_nodes] mJ
   Vector3 old_tool_force_ = Vector3::Zero();
   InterfaceEnergies energies_;
 };

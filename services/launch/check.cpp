@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <ostream>
 #include <thread>
 
 #include "coordinator/stack.hpp"
+#include "coordinator/tools.hpp"
 #include "launch/layer_factories.hpp"
 #include "launch/run.hpp"
 #include "scene/read_scene.hpp"
@@ -38,7 +40,7 @@ double measure_step(solve::LayerMechanics& mechanics, const mechanics::TriangleM
   double fastest = INFINITY;
   for (int i = 0; i < 5; ++i) {
     const auto start = std::chrono::steady_clock::now();
-    mechanics.compute_internal_forces(mesh.reference, 0, force);
+    mechanics.compute_internal_forces(mesh.reference, {}, force);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     fastest = std::min(fastest, taken.count());
   }
@@ -91,6 +93,11 @@ std::string format_duration(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
+std::string describe_blank(const scene::Blank& blank) {
+  if (blank.mesh) return "blank of " + std::filesystem::path(blank.mesh->file.path).filename().string();
+  return fmt::format("{:g} x {:g} mm in {:g} mm mesh", blank.length, blank.width, blank.mesh_size);
+}
+
 void print_layers(const scene::Scene& scene, const std::vector<LayerCheck>& layers, std::ostream& out) {
   out << fmt::format("{:<16} {:<7} {:>7} {:>9} {:>10} {:>10} {:>13} {:>11}\n", "layer", "kind", "nodes", "elements",
                      "mass g", "added g", "increment us", "in contact");
@@ -124,6 +131,7 @@ void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers
 
 int check_command(const CheckOptions& options, std::ostream& out) {
   const scene::Scene scene = scene::read_scene(options.scene, options.overrides);
+  const auto tool_warnings = coordinator::check_tools(scene);
   const double bytes_before = read_resident_bytes();
   std::vector<LayerCheck> layers;
   std::vector<std::unique_ptr<solve::LayerMechanics>> kept(scene.layers.size());
@@ -131,12 +139,12 @@ int check_command(const CheckOptions& options, std::ostream& out) {
 
   add_contact(scene, layers);
 
-  out << fmt::format("{}: {} layers, {:g} x {:g} mm{}, {:g} mm mesh, stroke {:g} mm\n\n", scene.name, layers.size(),
-                     scene.blank.length, scene.blank.width, scene.blank.half ? " (half model)" : "",
-                     scene.blank.mesh_size, scene.motion.stroke);
+  out << fmt::format("{}: {} layers, {}{}, stroke {:g} mm\n\n", scene.name, layers.size(), describe_blank(scene.blank),
+                     scene.blank.half ? " (half model)" : "", scene.motion.stroke);
   print_layers(scene, layers, out);
   print_cost(scene, layers, read_resident_bytes() - bytes_before, out);
   for (const auto& warning : scene::find_warnings(scene)) out << "warning     " << warning << '\n';
+  for (const auto& warning : tool_warnings) out << "warning     " << warning << '\n';
   return kDone;
 }
 

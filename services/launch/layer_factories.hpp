@@ -7,4 +7,7 @@ namespace interply::launch {
 
 solve::LayerFactory find_layer_factory(scene::Kind kind);
 
+/// Users' own laws can be loaded. @throws scene::SceneError
+void check_laws(const scene::Scene& scene);
+
 }  // namespace interply::launch

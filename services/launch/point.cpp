@@ -7,15 +7,18 @@
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <numbers>
 #include <ostream>
-#include <stdexcept>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "scene/read_scene.hpp"
+#include "scene/report.hpp"
+#include "solve/vumat.hpp"
 #include "solver_fabric/material_point.hpp"
 #include "solver_metal/material_point.hpp"
 
@@ -25,13 +28,8 @@ namespace {
 
 constexpr double kLargestTrueStrain = 5;  ///< a bar drawn to 150 times its length; beyond it a row is a slip of the pen
 
-/// A path file that cannot be used; what() is one sentence with file and line.
-class PathError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-[[noreturn]] void refuse(const std::filesystem::path& file, int line, const std::string& why) {
-  throw PathError(fmt::format("{}:{}: {}", file.string(), line, why));
+[[noreturn]] void refuse(const std::string& origin, int line, const std::string& why) {
+  throw PathError(scene::to_line(fmt::format("{}:{}: {}", origin, line, why)));
 }
 
 /// One row of a path: its values in the order of the wanted columns, and where it stands.
@@ -57,13 +55,13 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 /// Position of each wanted column in the header. Every wanted column must be there once, and no other.
-std::vector<std::size_t> find_columns(const std::filesystem::path& file, int line, std::string_view header,
+std::vector<std::size_t> find_columns(const std::string& origin, int line, std::string_view header,
                                       const std::vector<std::string>& wanted) {
   const std::vector<std::string_view> cells = split(header);
   std::vector<std::size_t> columns;
   for (const std::string& name : wanted) {
     if (std::count(cells.begin(), cells.end(), name) != 1 || cells.size() != wanted.size())
-      refuse(file, line,
+      refuse(origin, line,
              fmt::format("the header is '{}' but must name the columns {}, each once, in any order", header,
                          fmt::join(wanted, ",")));
     columns.push_back(static_cast<std::size_t>(std::find(cells.begin(), cells.end(), name) - cells.begin()));
@@ -71,20 +69,19 @@ std::vector<std::size_t> find_columns(const std::filesystem::path& file, int lin
   return columns;
 }
 
-double read_number(const std::filesystem::path& file, int line, const std::string& column, std::string_view cell) {
+double read_number(const std::string& origin, int line, const std::string& column, std::string_view cell) {
   std::string_view digits = cell;
   if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
-    refuse(file, line, fmt::format("{} is '{}', not a finite number", column, cell));
+    refuse(origin, line, fmt::format("{} is '{}', not a finite number", column, cell));
   return value;
 }
 
-/// All rows of a CSV file with exactly the columns `wanted`; empty lines are passed over.
-std::vector<Row> read_path(const std::filesystem::path& file, const std::vector<std::string>& wanted) {
-  std::ifstream in(file);
-  if (!in) throw PathError(fmt::format("{}: cannot be read; give a CSV file with --path", file.string()));
+/// All rows of a CSV text with exactly the columns `wanted`; empty lines are passed over.
+std::vector<Row> parse_path(const std::string& csv, const std::string& origin, const std::vector<std::string>& wanted) {
+  std::istringstream in(csv);
   std::vector<std::size_t> columns;
   std::vector<Row> rows;
   std::string text;
@@ -94,31 +91,30 @@ std::vector<Row> read_path(const std::filesystem::path& file, const std::vector<
     content = trim(content);
     if (content.empty()) continue;
     if (columns.empty()) {
-      columns = find_columns(file, line, content, wanted);
+      columns = find_columns(origin, line, content, wanted);
       continue;
     }
     const std::vector<std::string_view> cells = split(content);
     if (cells.size() != wanted.size())
-      refuse(file, line, fmt::format("has {} columns where the header has {}", cells.size(), wanted.size()));
+      refuse(origin, line, fmt::format("has {} columns where the header has {}", cells.size(), wanted.size()));
     Row row{line, {}};
     for (std::size_t i = 0; i < wanted.size(); ++i)
-      row.values.push_back(read_number(file, line, wanted[i], cells[columns[i]]));
+      row.values.push_back(read_number(origin, line, wanted[i], cells[columns[i]]));
     rows.push_back(row);
   }
-  if (in.bad()) throw PathError(fmt::format("{}: cannot be read to its end", file.string()));
   if (columns.empty())
-    throw PathError(fmt::format("{}: has no header; its first line must be {}", file.string(), fmt::join(wanted, ",")));
-  if (rows.empty()) throw PathError(fmt::format("{}: has no rows after its header", file.string()));
+    throw PathError(fmt::format("{}: has no header; its first line must be {}", origin, fmt::join(wanted, ",")));
+  if (rows.empty()) throw PathError(fmt::format("{}: has no rows after its header", origin));
   return rows;
 }
 
-void check_finite(const std::filesystem::path& file, const Row& row, std::initializer_list<double> response) {
+void check_finite(const std::string& origin, const Row& row, std::initializer_list<double> response) {
   for (const double value : response)
     if (!std::isfinite(value))
-      refuse(file, row.line, "the response of the law is not finite here; the deformation is too large for it");
+      refuse(origin, row.line, "the response of the law is not finite here; the deformation is too large for it");
 }
 
-void add_line(std::string& text, std::initializer_list<double> values) {
+void add_line(std::string& text, const std::vector<double>& values) {
   const char* separator = "";
   for (const double value : values) {
     text += fmt::format("{}{:.17g}", separator, value);
@@ -127,36 +123,42 @@ void add_line(std::string& text, std::initializer_list<double> values) {
   text += '\n';
 }
 
-std::string follow(const scene::WovenLaw& law, const std::filesystem::path& file) {
-  const std::vector<Row> rows = read_path(file, {"F11", "F12", "F21", "F22"});
+/// In-plane deformation gradients of a path. @param rows  columns F11, F12, F21, F22
+std::vector<mechanics::Matrix2> read_gradients(const std::vector<Row>& rows, const std::string& origin) {
   std::vector<mechanics::Matrix2> path;
   for (const Row& row : rows) {
     mechanics::Matrix2 F;
     F << row.values[0], row.values[1], row.values[2], row.values[3];
     if (!(F.determinant() > 0))
-      refuse(file, row.line, fmt::format("det F is {:.6g}, not > 0: the element would be folded", F.determinant()));
+      refuse(origin, row.line, fmt::format("det F is {:.6g}, not > 0: the element would be folded", F.determinant()));
     const double dot = F.col(0).dot(F.col(1));
     if (!(std::abs(std::atan2(dot, F.determinant())) < std::numbers::pi / 2))
-      refuse(file, row.line, "the shear angle is 90 deg or more: the fibres lie on each other");
+      refuse(origin, row.line, "the shear angle is 90 deg or more: the fibres lie on each other");
     path.push_back(F);
   }
+  return path;
+}
+
+std::string follow(const scene::WovenLaw& law, const std::string& csv, const std::string& origin) {
+  const std::vector<Row> rows = parse_path(csv, origin, {"F11", "F12", "F21", "F22"});
+  const std::vector<mechanics::Matrix2> path = read_gradients(rows, origin);
   const std::vector<fabric::FabricPoint> points = fabric::follow_path(law, path);
   std::string text = "F11,F12,F21,F22,I4,I8,gamma_rad,W_MPa,S11_MPa,S22_MPa,S12_MPa,min_eig_hessian_MPa\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
     const fabric::FabricPoint& p = points[i];
-    check_finite(file, rows[i], {p.I4, p.I8, p.gamma, p.W, p.S11, p.S22, p.S12, p.smallest_eigenvalue});
+    check_finite(origin, rows[i], {p.I4, p.I8, p.gamma, p.W, p.S11, p.S22, p.S12, p.smallest_eigenvalue});
     const std::vector<double>& F = rows[i].values;
     add_line(text, {F[0], F[1], F[2], F[3], p.I4, p.I8, p.gamma, p.W, p.S11, p.S22, p.S12, p.smallest_eigenvalue});
   }
   return text;
 }
 
-std::string follow(const scene::J2Law& law, const std::filesystem::path& file) {
-  const std::vector<Row> rows = read_path(file, {"strain"});
+std::string follow(const scene::J2Law& law, const std::string& csv, const std::string& origin) {
+  const std::vector<Row> rows = parse_path(csv, origin, {"strain"});
   std::vector<double> strain;
   for (const Row& row : rows) {
     if (std::abs(row.values[0]) > kLargestTrueStrain)
-      refuse(file, row.line,
+      refuse(origin, row.line,
              fmt::format("strain is {:.6g}, not in [{}, {}]; it is the true strain, not per cent", row.values[0],
                          -kLargestTrueStrain, kLargestTrueStrain));
     strain.push_back(row.values[0]);
@@ -165,18 +167,61 @@ std::string follow(const scene::J2Law& law, const std::filesystem::path& file) {
   std::string text = "strain,stress_MPa,plastic_strain,width_strain,thickness_strain\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
     const metal::MetalPoint& p = points[i];
-    check_finite(file, rows[i], {p.stress, p.plastic_strain, p.width_strain, p.thickness_strain});
+    check_finite(origin, rows[i], {p.stress, p.plastic_strain, p.width_strain, p.thickness_strain});
     add_line(text, {p.strain, p.stress, p.plastic_strain, p.width_strain, p.thickness_strain});
   }
   return text;
 }
 
+/// From F = 1 along straight lines from row to row, one second each, in increments of at most kLargestStep.
+std::string follow(const scene::VumatLaw& law, const std::string& csv, const std::string& origin) {
+  constexpr double kLargestStep = 1e-3;
+  const std::vector<Row> rows = parse_path(csv, origin, {"F11", "F12", "F21", "F22"});
+  const std::vector<mechanics::Matrix2> path = read_gradients(rows, origin);
+  solve::VumatPoints point(law, "point", 1e-9, 1);
+  std::string text = "F11,F12,F21,F22,F33,sigma11_MPa,sigma22_MPa,sigma12_MPa";
+  for (int i = 0; i < point.n_state(); ++i) text += fmt::format(",state_{}", i + 1);
+  text += '\n';
+  mechanics::Matrix2 from = mechanics::Matrix2::Identity();
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const mechanics::Matrix2 way = path[row] - from;
+    const int parts = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff() / kLargestStep)));
+    for (int i = 1; i <= parts; ++i) {
+      const mechanics::Matrix2 F = i == parts ? path[row] : from + way * i / parts;
+      if (!(F.determinant() > 0))
+        refuse(origin, rows[row].line, "the straight way from the row before folds the element");
+      const auto increment = solve::compute_vumat_increment(point.stretch(0), F.transpose() * F);
+      point.advance(0, 1, &increment, {.time = static_cast<double>(row) + 1.0 * i / parts, .dt = 1.0 / parts});
+    }
+    const auto [sigma, thickness] = point.response(0);
+    check_finite(origin, rows[row], {sigma(0, 0), sigma(1, 1), sigma(0, 1), thickness});
+    const std::vector<double>& F = rows[row].values;
+    std::vector<double> line{F[0], F[1], F[2], F[3], thickness, sigma(0, 0), sigma(1, 1), sigma(0, 1)};
+    for (int i = 0; i < point.n_state(); ++i) line.push_back(point.state(i, 0));
+    add_line(text, line);
+    from = path[row];
+  }
+  return text;
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in || in.bad()) throw PathError(fmt::format("{}: cannot be read; give a CSV file with --path", file.string()));
+  return text;
+}
+
 }  // namespace
+
+std::string follow_path(const scene::Law& law, const std::string& csv, const std::string& origin) {
+  return std::visit([&](const auto& l) { return follow(l, csv, origin); }, law);
+}
 
 int run_point(const std::filesystem::path& law, const std::filesystem::path& path_csv, std::ostream& out,
               std::ostream& err) {
   try {
-    out << std::visit([&](const auto& l) { return follow(l, path_csv); }, scene::read_law(law));
+    const scene::Law read = scene::read_law(law);
+    out << follow_path(read, read_text(path_csv), path_csv.string());
     return 0;
   } catch (const scene::SceneError& e) {
     err << e.what() << '\n';

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "coordinator/tools.hpp"
+#include "launch/layer_factories.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::launch {
@@ -63,9 +65,12 @@ int run_command(const RunOptions& options) {
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
+  check_laws(scene);
+  std::vector<std::string> warnings = scene::find_warnings(scene);
+  for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);
   Terminal terminal(stdout, options.quiet);
-  for (const auto& warning : scene::find_warnings(scene)) terminal.note("warning: " + warning);
+  for (const auto& warning : warnings) terminal.note("warning: " + warning);
 
   const std::string run_name = make_run_name(scene.name);
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;

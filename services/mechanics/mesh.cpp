@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -37,6 +38,56 @@ TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, do
       }
     }
   }
+  mesh.neighbours = find_neighbours(mesh.triangles, mesh.n_nodes());
+  return mesh;
+}
+
+namespace {
+
+/// Diagonal of the box around the points, mm.
+double compute_size(const std::vector<std::array<double, 2>>& points) {
+  double low[2] = {0, 0}, high[2] = {0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t d = 0; d < 2; ++d) {
+      low[d] = i == 0 ? points[i][d] : std::min(low[d], points[i][d]);
+      high[d] = i == 0 ? points[i][d] : std::max(high[d], points[i][d]);
+    }
+  return std::hypot(high[0] - low[0], high[1] - low[1]);
+}
+
+std::string to_text(const std::array<double, 2>& point) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "(%.6g, %.6g) mm", point[0], point[1]);
+  return buffer;
+}
+
+}  // namespace
+
+TriangleMesh make_mesh(const std::vector<std::array<double, 2>>& points,
+                       const std::vector<std::array<int, 3>>& triangles, double z, bool half) {
+  const double on_plane = 1e-6 * compute_size(points);
+  TriangleMesh mesh;
+  mesh.reference.resize(3, static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto node = static_cast<int>(i);
+    const bool held = half && std::abs(points[i][1]) <= on_plane;
+    if (half && points[i][1] < -on_plane)
+      throw std::invalid_argument("the node at " + to_text(points[i]) +
+                                  " lies at y < 0; a half model holds y >= 0 only: cut the mesh at y = 0, or take the "
+                                  "whole blank with symmetry: full");
+    mesh.reference(0, node) = points[i][0];
+    mesh.reference(1, node) = held ? 0.0 : points[i][1];
+    mesh.reference(2, node) = z;
+    if (held) mesh.symmetry_nodes.push_back(node);
+  }
+  if (half && mesh.symmetry_nodes.size() < 2)
+    throw std::invalid_argument(
+        "the mesh does not reach y = 0, the symmetry plane of a half model; move the mesh, "
+        "or take the whole blank with symmetry: full");
+  mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t e = 0; e < triangles.size(); ++e)
+    for (std::size_t k = 0; k < 3; ++k)
+      mesh.triangles(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(e)) = triangles[e][k];
   mesh.neighbours = find_neighbours(mesh.triangles, mesh.n_nodes());
   return mesh;
 }

@@ -14,19 +14,30 @@ struct TriangleMesh {
   Triangles triangles;              ///< corners                                           [3 x n_elements]
   Triangles neighbours;             ///< element across the side opposite corner k, or -1  [3 x n_elements]
   std::vector<int> symmetry_nodes;  ///< nodes held in the symmetry plane y = 0, ascending
+  std::vector<int> clamped_nodes;  ///< boundary sides between two of these keep their slope; who holds them is not said
 
   Eigen::Index n_nodes() const { return reference.cols(); }
   Eigen::Index n_elements() const { return triangles.cols(); }
 };
 
-/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard, as in the shipped scenes.
-/// Nodes run with x fastest. Sides are divided into round(length/h) cells, at least one.
+/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard, as in the shipped
+/// scenes. Nodes run with x fastest. Sides are divided into round(length/h) cells, at least one.
 /// @param x, y   {min, max} of the rectangle, mm
 /// @param h      wanted mesh size, mm
 /// @param z      height of the midsurface, mm
 /// @param symmetric  hold the nodes at y = 0 in the plane y = 0 (@pre y[0] == 0 then)
 TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, double h, double z = 0.0,
                             bool symmetric = false);
+
+/// A flat blank from points and counter-clockwise triangles of any outline.
+/// @param points     x, y of each node                          [n_nodes]     mm
+/// @param triangles  corners, from 0                            [n_elements]
+/// @param z          height of the midsurface, mm
+/// @param half       the mesh is the part y >= 0 of a blank that is mirrored in y = 0: nodes within 1e-6 of the size of
+///                   the blank of that plane are put into it and held there
+/// @throws std::invalid_argument  a half with nodes at y < 0 or with none at y = 0; see also find_neighbours()
+TriangleMesh make_mesh(const std::vector<std::array<double, 2>>& points,
+                       const std::vector<std::array<int, 3>>& triangles, double z, bool half);
 
 /// Element across each side. Non-manifold sides (three or more triangles) throw std::invalid_argument.
 Triangles find_neighbours(const Triangles& triangles, Eigen::Index n_nodes);

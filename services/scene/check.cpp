@@ -100,6 +100,55 @@ void check_name(const Scene& scene, std::size_t i, const std::string& path, Repo
   }
 }
 
+void check_mesh_size(const Blank& blank, double mesh_size, const std::string& path, Report& report) {
+  const double half = std::min(blank.length, blank.width) / 2;
+  if (report.is_broken("blank") || report.is_broken(path) || mesh_size < half) return;
+  report.add(path,
+             to_text(mesh_size) + " is not below " + to_rounded(half) + " mm, half of the smaller side of the blank");
+}
+
+void check_blank(const Scene& scene, Report& report) {
+  const Blank& blank = scene.blank;
+  if (!blank.mesh) return check_mesh_size(blank, blank.mesh_size, "blank.mesh_size", report);
+  for (const char* key : {"length", "width", "mesh_size"})
+    if (report.is_given(join("blank", key)))
+      report.add(join("blank", key), "and blank.mesh are both given; keep one of them");
+}
+
+/// A layer's mesh in place of the blank's.
+void check_own_mesh(const Scene& scene, std::size_t i, Report& report) {
+  const Layer& layer = scene.layers[i];
+  const std::string path = join(join("layers", i), "mesh_size");
+  if (!layer.mesh_size) return;
+  if (layer.mesh) return report.add(path, "and mesh are both given; keep one of them");
+  if (scene.blank.mesh) return report.add(path, "needs a rectangular blank; give this layer a mesh of its own");
+  check_mesh_size(scene.blank, *layer.mesh_size, path, report);
+}
+
+bool is_same(const Pair& pair) { return pair.warp == pair.weft; }
+
+bool is_same_in_both_fibres(const Layer& layer) {
+  if (const auto* w = std::get_if<WovenLaw>(&layer.law))
+    return is_same(w->a) && is_same(w->b) && is_same(w->c) && is_same(w->p_min) && is_same(w->d) && is_same(w->s_T) &&
+           is_same(w->s_C) && is_same(w->strain_cap) && is_same(layer.bending) &&
+           (!w->tables || w->tables->warp == w->tables->weft);
+  const auto* j2 = std::get_if<J2Law>(&layer.law);
+  return j2 && j2->hill48 && j2->hill48->r0 == j2->hill48->r90;
+}
+
+/// A half model mirrors its layers in y = 0: fibres at 0 and 90 deg become themselves, fibres at 45 deg become the
+/// other ones, and fibres at any other angle belong to no half model.
+void check_mirrored(const Scene& scene, std::size_t i, Report& report) {
+  const Layer& layer = scene.layers[i];
+  const auto* j2 = std::get_if<J2Law>(&layer.law);
+  if (!scene.blank.half || (j2 && !j2->hill48)) return;
+  const double off = std::abs(std::remainder(layer.orientation_deg, 90));
+  if (off < 1e-9 || (off > 45 - 1e-9 && is_same_in_both_fibres(layer))) return;
+  report.add(
+      join(join("layers", i), "orientation"),
+      to_text(layer.orientation_deg) + " deg is another direction in the mirrored half; set blank.symmetry: full");
+}
+
 void check_layers(const Scene& scene, Report& report) {
   if (scene.layers.empty() && !report.is_broken("layers"))
     report.add("layers", "the stack is empty; give at least one layer");
@@ -107,21 +156,18 @@ void check_layers(const Scene& scene, Report& report) {
     const std::string path = join("layers", i);
     check_name(scene, i, join(path, "name"), report);
     check_law(scene.layers[i].law, join(path, "law"), report);
+    check_own_mesh(scene, i, report);
     if (report.is_broken(join(path, "law"))) continue;
+    check_mirrored(scene, i, report);
     const bool fabric = scene.layers[i].kind() == Kind::Fabric;
+    if (std::holds_alternative<VumatLaw>(scene.layers[i].law) && scene.layers[i].threads > 1)
+      report.add(join(path, "threads"), "a vumat is called from one thread; set 1");
     for (const char* key : {"bending", "twist", "integration_points"}) {
       const bool for_fabric = std::string(key) != "integration_points";
       if (report.is_given(join(path, key)) && for_fabric != fabric)
-        report.add(join(path, key), std::string("belongs to a ") + (for_fabric ? "woven" : "j2") + " layer only");
+        report.add(join(path, key), std::string("belongs to a ") + (for_fabric ? "fabric" : "metal") + " layer only");
     }
   }
-}
-
-void check_blank(const Scene& scene, Report& report) {
-  const double half = std::min(scene.blank.length, scene.blank.width) / 2;
-  if (report.is_broken("blank") || scene.blank.mesh_size < half) return;
-  report.add("blank.mesh_size", to_text(scene.blank.mesh_size) + " is not below " + to_rounded(half) +
-                                    " mm, half of the smaller side of the blank");
 }
 
 /// Smallest distance between a punch and an opening around it, mm: the support function of a triangle of edge e lies
@@ -132,23 +178,31 @@ double compute_clearance(const Opening& opening, const Punch& punch) {
 }
 
 void check_clearances(const Scene& scene, Report& report) {
-  if (!scene.tools.punch || report.is_broken("tools") || report.is_broken("layers")) return;
+  if (!scene.tools.punch || scene.tools.punch->stl || report.is_broken("tools") || report.is_broken("layers")) return;
   double stack = 0;
   for (const Layer& layer : scene.layers) stack += layer.thickness;
   const double die = compute_clearance(scene.tools.die, *scene.tools.punch);
-  if (die < stack * (1 - 1e-12))
+  if (!scene.tools.die.stl && die < stack * (1 - 1e-12))
     report.add("tools.die.offset", "leaves " + to_rounded(die) + " mm between punch and die, less than the " +
                                        to_rounded(stack) + " mm of the stack");
   const double holder = compute_clearance(scene.tools.blank_holder.opening, *scene.tools.punch);
-  if (holder <= 0)
+  if (!scene.tools.blank_holder.opening.stl && holder <= 0)
     report.add("tools.blank_holder.offset",
                "leaves " + to_rounded(holder) + " mm between punch and blank holder, so the punch does not pass");
+}
+
+/// A tool is either parameters or a surface.
+void check_either(const std::optional<File>& stl, const std::string& path, const std::vector<std::string>& keys,
+                  Report& report) {
+  if (!stl) return;
+  for (const std::string& key : keys)
+    if (report.is_given(join(path, key))) report.add(join(path, key), "and stl are both given; keep one of them");
 }
 
 /// The triangle has its centre in the origin and a vertex on the x axis: its circumradius reaches out along x, half an
 /// edge along y.
 void check_inside_blank(const Opening& opening, const Blank& blank, const std::string& path, Report& report) {
-  if (report.is_broken("blank") || report.is_broken(path)) return;
+  if (opening.stl || blank.mesh || report.is_broken("blank") || report.is_broken(path)) return;
   const double rim = opening.offset + opening.shoulder;
   const double x = opening.edge / std::numbers::sqrt3 + rim, y = opening.edge / 2 + rim;
   if (x >= blank.length / 2 || y >= blank.width / 2)
@@ -222,6 +276,9 @@ void check_law(const Law& law, const std::string& path, Report& report) {
 void check_scene(const Scene& scene, Report& report) {
   check_blank(scene, report);
   check_layers(scene, report);
+  if (scene.tools.punch) check_either(scene.tools.punch->stl, "tools.punch", {"edge", "height", "radius"}, report);
+  check_either(scene.tools.die.stl, "tools.die", {"edge", "offset", "shoulder"}, report);
+  check_either(scene.tools.blank_holder.opening.stl, "tools.blank_holder", {"edge", "offset", "shoulder"}, report);
   check_clearances(scene, report);
   check_inside_blank(scene.tools.die, scene.blank, "tools.die", report);
   check_inside_blank(scene.tools.blank_holder.opening, scene.blank, "tools.blank_holder", report);

@@ -22,7 +22,8 @@ const FieldDescriptor* find_field(const Message& message, const char* key) {
 /// The two directions of a copy share their verbs, so that each struct is described once, by `map` below:
 ///     io(key, member)                    a number, word or nested struct
 ///     io.block(key, body)                a nested block without a struct of its own
-///     io.items(key, vector)              a repeated field
+///     io.items(key, vector)              a repeated field of blocks
+///     io.numbers(key, vector)            a repeated field of numbers
 ///     io.may_be_absent(key, optional)    a nested struct
 ///     io.alternative<T>(key, variant)    a member of a oneof
 struct FromMessage {
@@ -53,6 +54,12 @@ struct FromMessage {
       FromMessage inner{message.GetReflection()->GetRepeatedMessage(message, field, i)};
       map(inner, x.emplace_back());
     }
+  }
+
+  void numbers(const char* key, std::vector<double>& x) {
+    const FieldDescriptor* field = find_field(message, key);
+    for (int i = 0; i < message.GetReflection()->FieldSize(message, field); ++i)
+      x.push_back(message.GetReflection()->GetRepeatedDouble(message, field, i));
   }
 
   template <class T>
@@ -112,6 +119,10 @@ struct ToMessage {
     }
   }
 
+  void numbers(const char* key, std::vector<double>& x) {
+    for (const double number : x) message.GetReflection()->AddDouble(&message, find_field(message, key), number);
+  }
+
   template <class T>
   void may_be_absent(const char* key, std::optional<T>& x) {
     if (x) (*this)(key, *x);
@@ -146,7 +157,15 @@ static_assert(static_cast<int>(Variant::Uncoupled) == schema::WovenLaw::uncouple
 static_assert(static_cast<int>(Variant::Full) == schema::WovenLaw::full);
 static_assert(static_cast<int>(Variant::Biaxial) == schema::WovenLaw::biaxial);
 static_assert(static_cast<int>(Variant::NormalShear) == schema::WovenLaw::normal_shear);
+static_assert(static_cast<int>(Integration::Membrane) == schema::VumatLaw::membrane);
+static_assert(static_cast<int>(Integration::Shell) == schema::VumatLaw::shell);
 static_assert(schema::Blank::full == 0 && schema::Blank::half == 1);  // Blank::half as a number
+
+template <class Io>
+void map(Io& io, File& x) {
+  io("path", x.path);
+  io("digest", x.digest);
+}
 
 template <class Io>
 void map(Io& io, Pair& x) {
@@ -230,20 +249,43 @@ void map(Io& io, Hardening& x) {
 }
 
 template <class Io>
+void map(Io& io, Hill48& x) {
+  io("r0", x.r0);
+  io("r45", x.r45);
+  io("r90", x.r90);
+}
+
+template <class Io>
 void map(Io& io, J2Law& x) {
   io("young", x.young);
   io("poisson", x.poisson);
   io("hardening", x.hardening);
+  io.may_be_absent("hill48", x.hill48);
+}
+
+template <class Io>
+void map(Io& io, VumatLaw& x) {
+  io("library", x.library);
+  io.numbers("parameters", x.parameters);
+  io("state_variables", x.state_variables);
+  io("integration", x.integration);
 }
 
 template <class Io>
 void map(Io& io, Law& x) {
   io.template alternative<WovenLaw>("woven", x);
   io.template alternative<J2Law>("j2", x);
+  io.template alternative<VumatLaw>("vumat", x);
 }
 
 /// Isotropic estimate of the twisting stiffness: half the geometric mean of the bending stiffnesses.
 double default_twist(const Pair& bending) { return std::sqrt(bending.warp * bending.weft) / 2; }
+
+template <class Io>
+void map(Io& io, MeshFile& x) {
+  io("file", x.file);
+  if (Io::kReading || !x.set.empty()) io("set", x.set);
+}
 
 template <class Io>
 void map(Io& io, Layer& x) {
@@ -259,18 +301,24 @@ void map(Io& io, Layer& x) {
   }
   if (Io::kReading || x.kind() == Kind::Metal) io("integration_points", x.integration_points);
   io("threads", x.threads);
+  io.may_be_absent("mesh", x.mesh);
+  io.may_be_absent("mesh_size", x.mesh_size);
 }
 
 template <class Io>
 void map(Io& io, Blank& x) {
+  io("symmetry", x.half);
+  io.may_be_absent("mesh", x.mesh);
+  if (!Io::kReading && x.mesh) return;
   io("length", x.length);
   io("width", x.width);
-  io("symmetry", x.half);
   io("mesh_size", x.mesh_size);
 }
 
 template <class Io>
 void map(Io& io, Punch& x) {
+  io.may_be_absent("stl", x.stl);
+  if (!Io::kReading && x.stl) return;
   io("edge", x.edge);
   io("height", x.height);
   io("radius", x.radius);
@@ -278,6 +326,8 @@ void map(Io& io, Punch& x) {
 
 template <class Io>
 void map(Io& io, Opening& x) {
+  io.may_be_absent("stl", x.stl);
+  if (!Io::kReading && x.stl) return;
   io("edge", x.edge);
   io("offset", x.offset);
   io("shoulder", x.shoulder);

@@ -5,8 +5,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "geometry/stl.hpp"
 #include "scene/check.hpp"
 #include "scene/convert.hpp"
+#include "scene/files.hpp"
+#include "scene/meshes.hpp"
 #include "scene/schema.hpp"
 #include "scene/value.hpp"
 
@@ -20,6 +23,31 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+void resolve_law(Law& law, const std::filesystem::path& folder, const std::string& path, Report& report) {
+  if (auto* own = std::get_if<VumatLaw>(&law))
+    resolve_file(own->library, folder, join(path, std::string("vumat.library")), report);
+}
+
+/// Absolute paths and digests; what has not been read before must be usable.
+void resolve_files(Scene& scene, const std::filesystem::path& folder, Report& report) {
+  const auto resolve_stl = [&](std::optional<File>& stl, const std::string& path) {
+    if (!stl) return;
+    const std::string content = resolve_file(*stl, folder, path, report);
+    if (content.empty() || report.is_broken(path)) return;
+    try {
+      geometry::parse_stl(content, stl->path);
+    } catch (const geometry::Unreadable& error) {
+      report.add(path, error.what());
+    }
+  };
+  if (scene.tools.punch) resolve_stl(scene.tools.punch->stl, "tools.punch.stl");
+  resolve_stl(scene.tools.die.stl, "tools.die.stl");
+  resolve_stl(scene.tools.blank_holder.opening.stl, "tools.blank_holder.stl");
+  resolve_meshes(scene, folder, report);
+  for (std::size_t i = 0; i < scene.layers.size(); ++i)
+    resolve_law(scene.layers[i].law, folder, join(join("layers", i), "law"), report);
+}
+
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides) {
@@ -30,6 +58,7 @@ Scene parse_scene(const std::string& text, const std::string& origin, const std:
   schema::Scene message;
   read_message(root, "", message, report);
   Scene scene = to_scene(message);
+  resolve_files(scene, std::filesystem::path(origin).parent_path(), report);
   check_scene(scene, report);
   report.throw_if_any();
 
@@ -42,14 +71,17 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   return parse_scene(read_text(file), file.string(), overrides);
 }
 
-Law read_law(const std::filesystem::path& file) {
+Law read_law(const std::filesystem::path& file) { return parse_law(read_text(file), file.string()); }
+
+Law parse_law(const std::string& text, const std::string& origin) {
   Report report;
-  const Value root = parse_yaml(read_text(file), file.string(), report);
+  const Value root = parse_yaml(text, origin, report);
   const bool wrapped = root.keys.size() == 1 && root.keys[0] == "law";
 
   schema::Law message;
   read_message(wrapped ? root.items[0] : root, wrapped ? "law" : "", message, report);
-  const Law law = to_law(message);
+  Law law = to_law(message);
+  resolve_law(law, std::filesystem::path(origin).parent_path(), wrapped ? "law" : "", report);
   check_law(law, wrapped ? "law" : "", report);
   report.throw_if_any();
   return law;

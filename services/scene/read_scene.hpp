@@ -29,6 +29,9 @@ Scene parse_scene(const std::string& text, const std::string& origin, const std:
 /// Reads a file that holds exactly the `law` block of a scene's layer. @throws SceneError
 Law read_law(const std::filesystem::path& file);
 
+/// The same from text; `origin` stands for the file name in messages. @throws SceneError
+Law parse_law(const std::string& text, const std::string& origin);
+
 /// Thickness-independent warnings about a checked scene (e.g. an indefinite law), one sentence each.
 std::vector<std::string> find_warnings(const Scene& scene);
 

@@ -11,6 +11,12 @@
 
 namespace interply::scene {
 
+/// A file that the scene names (scene/files.hpp).
+struct File {
+  std::string path;    ///< absolute in a resolved scene
+  std::string digest;  ///< XXH3 of the content, 16 hexadecimal digits; empty until the file has been read
+};
+
 /// One value per fibre direction, [warp, weft].
 struct Pair {
   double warp = 0;
@@ -67,49 +73,82 @@ struct HardeningTable {
 
 using Hardening = std::variant<Swift, Voce, HockettSherby, HardeningTable>;
 
+/// Width / thickness plastic strain of bars cut at 0, 45 and 90 deg to the rolling direction.
+struct Hill48 {
+  double r0 = 1, r45 = 1, r90 = 1;
+};
+
 /// Isotropic elasticity with J2 plasticity (solver_metal/THEORY.md).
 struct J2Law {
   double young = 210e3;  ///< MPa
   double poisson = 0.3;
   Hardening hardening = Swift{};
+  std::optional<Hill48> hill48;  ///< hardening is then that of the rolling direction, the layer's orientation
 };
 
-using Law = std::variant<WovenLaw, J2Law>;
+/// One point in the plane, or points through the thickness.
+enum class Integration { Membrane, Shell };
+
+/// A law of the user's own (services/solve/vumat.hpp).
+struct VumatLaw {
+  File library;                    ///< shared library
+  std::vector<double> parameters;  ///< props
+  int state_variables = 0;         ///< nstatev, zero at the start
+  Integration integration = Integration::Membrane;
+};
+
+using Law = std::variant<WovenLaw, J2Law, VumatLaw>;
 enum class Kind { Fabric, Metal };
+
+/// A flat mesh from a Gmsh .msh or Abaqus .inp file (geometry/blank_mesh.hpp).
+struct MeshFile {
+  File file;
+  std::string set;  ///< physical surface or element set; empty: every element
+};
 
 struct Layer {
   std::string name;
   double thickness = 1.0;      ///< mm
   double density = 0;          ///< t/mm3, without mass scaling
-  double orientation_deg = 0;  ///< direction of the warp from x
+  double orientation_deg = 0;  ///< direction of the warp, or of rolling, from x
   Law law;
-  Pair bending{2.2, 2.2};      ///< fabric: bending stiffness per width, N mm
-  double twist = 1.1;          ///< fabric: M12 = twist * 2 kappa12, N mm; default sqrt(warp*weft)/2
-  int integration_points = 5;  ///< metal: Gauss-Lobatto points through the thickness (1 = membrane)
-  int threads = 1;             ///< worker threads of this layer's process
-  Kind kind() const { return std::holds_alternative<WovenLaw>(law) ? Kind::Fabric : Kind::Metal; }
+  Pair bending{2.2, 2.2};           ///< fabric: bending stiffness per width, N mm
+  double twist = 1.1;               ///< fabric: M12 = twist * 2 kappa12, N mm; default sqrt(warp*weft)/2
+  int integration_points = 5;       ///< metal: Gauss-Lobatto points through the thickness (1 = membrane)
+  int threads = 1;                  ///< worker threads of this layer's process
+  std::optional<MeshFile> mesh;     ///< in place of the blank's
+  std::optional<double> mesh_size;  ///< in place of a rectangular blank's, mm
+  Kind kind() const {
+    if (const auto* own = std::get_if<VumatLaw>(&law))
+      return own->integration == Integration::Membrane ? Kind::Fabric : Kind::Metal;
+    return std::holds_alternative<WovenLaw>(law) ? Kind::Fabric : Kind::Metal;
+  }
 };
 
+/// A rectangle, or any outline by its mesh. The mesh of a half model is its part y >= 0.
 struct Blank {
-  double length = 280;   ///< along x, mm; centred on x = 0
-  double width = 280;    ///< along y, mm; centred on y = 0
-  bool half = true;      ///< model y >= 0 only, symmetry plane y = 0
-  double mesh_size = 4;  ///< mm
+  double length = 280;           ///< along x, mm; centred on x = 0
+  double width = 280;            ///< along y, mm; centred on y = 0
+  bool half = true;              ///< model y >= 0 only, symmetry plane y = 0
+  double mesh_size = 4;          ///< mm
+  std::optional<MeshFile> mesh;  ///< instead of length, width and mesh_size
 };
 
 /// Regular triangular pyramid (inner sharp edge and height) offset by a ball, prismatic above its base; points down.
 struct Punch {
   double edge = 100, height = 50, radius = 15;  ///< mm
+  std::optional<File> stl;                      ///< instead: any surface
 };
 
 /// Plate with a triangular opening of edge `edge` offset by `offset`, shoulder radius `shoulder`.
 struct Opening {
   double edge = 100, offset = 22, shoulder = 10;  ///< mm
+  std::optional<File> stl;                        ///< instead: any surface
 };
 
 struct BlankHolder {
   Opening opening;
-  double pressure = 2;    ///< MPa on the initial flange area
+  double pressure = 2;    ///< MPa on the initial flange area (STL: where it touches the flat blank)
   double ramp = 1e-3;     ///< s, smooth
   double mass_ratio = 1;  ///< mass / mass of the blank
   double damping = 0.1;   ///< fraction of critical on the stack's stiffness

@@ -60,6 +60,8 @@ class Reader {
     const Descriptor& type = *message.GetDescriptor();
     report_.locate(path, value.origin);
     if (is_list(type)) return read_list(value, path, message, FieldOptions::default_instance());
+    if (type.options().GetExtension(schema::word) && value.kind == Value::Kind::Scalar)
+      return read_scalar(value, path, message, *type.field(0), type.field(0)->options());
     if (value.kind != Value::Kind::Block)
       return report_.add(path, "must be a block of keys, not " + describe(value.kind));
     for (std::size_t i = 0; i < value.keys.size(); ++i) {
@@ -88,11 +90,27 @@ class Reader {
     is_list(*field.message_type()) ? read_list(value, path, inner, field.options()) : read_block(value, path, inner);
   }
 
-  /// A list of blocks, or the rows of a table.
+  /// A list of blocks, the rows of a table, or numbers.
   void read_items(const Value& value, const std::string& path, Message& message, const FieldDescriptor& field) {
     if (value.kind != Value::Kind::List) return report_.add(path, "must be a list, not " + describe(value.kind));
+    if (!is_message(field)) return read_numbers(value, path, message, field);
     for (std::size_t i = 0; i < value.items.size(); ++i)
       read_block(value.items[i], join(path, i), *message.GetReflection()->AddMessage(&message, &field));
+  }
+
+  void read_numbers(const Value& value, const std::string& path, Message& message, const FieldDescriptor& field) {
+    for (std::size_t i = 0; i < value.items.size(); ++i) {
+      const std::string item = join(path, i), &text = value.items[i].scalar;
+      report_.locate(item, value.items[i].origin);
+      const std::optional<double> number = parse_number<double>(text);
+      if (value.items[i].kind != Value::Kind::Scalar) {
+        report_.add(item, "must be a number, not " + describe(value.items[i].kind));
+      } else if (!number || !std::isfinite(*number)) {
+        report_.add(item, "'" + text + "' is not a number");
+      } else if (is_in_range(*number, text, item, field.options())) {
+        message.GetReflection()->AddDouble(&message, &field, *number);
+      }
+    }
   }
 
   /// A message written as [x, y]; `options` are those of the field that holds it: they say unit and range of each item.
@@ -216,7 +234,12 @@ void write_block(const Message& message, YAML::Emitter& out);
 
 void write_field(const Message& message, const FieldDescriptor& field, YAML::Emitter& out) {
   const Reflection& reflection = *message.GetReflection();
-  if (field.is_repeated()) {
+  if (field.is_repeated() && !is_message(field)) {
+    out << YAML::Flow << YAML::BeginSeq;
+    for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+      out << to_text(reflection.GetRepeatedDouble(message, &field, i));
+    out << YAML::EndSeq;
+  } else if (field.is_repeated()) {
     if (is_list(*field.message_type()) || reflection.FieldSize(message, &field) == 0) out << YAML::Flow;
     out << YAML::BeginSeq;
     for (int i = 0; i < reflection.FieldSize(message, &field); ++i)

@@ -12,8 +12,8 @@
 namespace interply::scene {
 namespace {
 
-constexpr std::size_t kDeepest = 32;    // no path of the schema is deeper
-constexpr std::size_t kMost = 1000000;  // values; ends aliases that multiply
+constexpr std::size_t kDeepest = 32;       // no path of the schema is deeper
+constexpr std::size_t kLargest = 1 << 24;  // bytes of the tree; ends aliases that multiply
 
 /// "scene.yaml" -> "scene.yaml:12"; an override is one line, so it stays as it is.
 std::string add_line(const std::string& origin, const YAML::Mark& mark) {
@@ -21,10 +21,12 @@ std::string add_line(const std::string& origin, const YAML::Mark& mark) {
   return has_line ? origin + ":" + std::to_string(mark.line + 1) : origin;
 }
 
-std::size_t count_values(const Value& value) {
-  std::size_t count = 1;
-  for (const Value& item : value.items) count += count_values(item);
-  return count;
+/// Bytes of a value and all that it holds, about.
+std::size_t measure_size(const Value& value) {
+  std::size_t size = sizeof value + value.scalar.size() + value.origin.size();
+  for (const std::string& key : value.keys) size += sizeof key + key.size();
+  for (const Value& item : value.items) size += measure_size(item);
+  return size;
 }
 
 std::size_t measure_depth(const Value& value) {
@@ -49,7 +51,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) throw SceneError(locate(mark) + ": an alias stands inside the value that it names");
-    limit(mark, measure_depth(found->second), count_values(found->second));
+    limit(mark, measure_depth(found->second), measure_size(found->second));
     add(found->second, 0);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
@@ -74,14 +76,14 @@ class TreeBuilder : public YAML::EventHandler {
 
   std::string locate(const YAML::Mark& mark) const { return add_line(origin_, mark); }
 
-  void limit(const YAML::Mark& mark, std::size_t depth, std::size_t count) {
-    count_ += count;
+  void limit(const YAML::Mark& mark, std::size_t depth, std::size_t size) {
+    size_ += size;
     if (open_.size() + depth > kDeepest) throw SceneError(locate(mark) + ": nested too deeply");
-    if (count_ > kMost) throw SceneError(locate(mark) + ": too many values; look for aliases of aliases");
+    if (size_ > kLargest) throw SceneError(locate(mark) + ": too many values; look for aliases of aliases");
   }
 
   void open(const YAML::Mark& mark, Value::Kind kind, YAML::anchor_t anchor) {
-    limit(mark, 1, 1);
+    limit(mark, 1, sizeof(Value));
     open_.push_back({.value = {.kind = kind, .origin = locate(mark)}, .anchor = anchor});
   }
 
@@ -132,7 +134,7 @@ class TreeBuilder : public YAML::EventHandler {
   Value root_;
   std::vector<Open> open_;                   // outermost first
   std::map<YAML::anchor_t, Value> anchors_;  // closed values that aliases may name
-  std::size_t count_ = 0;
+  std::size_t size_ = 0;
 };
 
 }  // namespace
@@ -165,7 +167,7 @@ Value parse_yaml(const std::string& text, const std::string& origin, Report& rep
     if (parser.HandleNextDocument(rest)) throw SceneError(origin + ": goes on after its first YAML document; keep one");
     return first.take_root();
   } catch (const YAML::Exception& error) {
-    throw SceneError(add_line(origin, error.mark) + ": not valid YAML: " + error.msg);
+    throw SceneError(to_line(add_line(origin, error.mark) + ": not valid YAML: " + error.msg));
   }
 }
 

@@ -14,6 +14,12 @@
 
 namespace interply::solve {
 
+/// When a layer computes its forces.
+struct Instant {
+  double time = 0;  ///< t(n), s
+  double dt = 0;    ///< t(n) - t(n - 1), s; 0 at the start and for a position that is not part of a motion
+};
+
 class LayerMechanics {
  public:
   virtual ~LayerMechanics() = default;
@@ -21,11 +27,13 @@ class LayerMechanics {
   /// f_int(x) of every node, N, into `force` (overwritten). History-dependent layers advance from the position of the
   /// previous call to `position`; called once per step. Also refreshes internal_energy().
   /// The force pulls the nodes: a = (f_contact - f_int) / m.
-  /// @throws mechanics::Divergence for a NaN or an inverted (folded) element; `time` (s) goes into its message
-  virtual void compute_internal_forces(const mechanics::NodalVectors& position, double time,
+  /// What moves inside the layer beside its nodes (the edges of mechanics/edge_shell.hpp) moves by `now.dt` with them.
+  /// @throws mechanics::Divergence for a NaN or an inverted (folded) element; `now.time` goes into its message
+  virtual void compute_internal_forces(const mechanics::NodalVectors& position, const Instant& now,
                                        mechanics::NodalVectors& force) = 0;
 
-  /// Energy stored (fabric) or stress work spent (metal) up to the last compute_internal_forces(), mJ.
+  /// Energy stored (fabric) or stress work spent (metal) up to the last compute_internal_forces(), with what moves
+  /// inside the layer: the kinetic energy and the damping of its edges; mJ.
   virtual double internal_energy() const = 0;
 
   /// Largest stable increment of the layer alone from the current tangent, s; no safety factor.
@@ -44,7 +52,8 @@ class LayerMechanics {
   virtual void add_state_to(mechanics::Digest& digest) const = 0;
 };
 
-/// Mesh of any layer of a scene (all layers share the blank; z is the midsurface in the touching stack).
+/// Mesh of any layer of a scene, its own or the blank's; z is the midsurface in the touching stack.
+/// @throws scene::SceneError  its file is gone or has changed since the scene was resolved
 mechanics::TriangleMesh make_layer_mesh(const scene::Scene& scene, int layer);
 
 }  // namespace interply::solve

@@ -37,7 +37,7 @@ void LayerRun::drift(double dt) {
 
 void LayerRun::compute_internal_forces() {
   old_internal_force_.swap(internal_force_);
-  mechanics_->compute_internal_forces(nodes_.position, time_, internal_force_);
+  mechanics_->compute_internal_forces(nodes_.position, {.time = time_, .dt = nodes_.dt}, internal_force_);
   energies_.internal = mechanics_->internal_energy();
   energies_.internal_work += mechanics::compute_trapezoid_work(old_internal_force_, internal_force_, nodes_.increment);
 }

@@ -1,13 +1,17 @@
 /// One layer and one interface alone, single-threaded, on the 4 mm half blank: elements (or contact points) per second.
 ///
-///     build/release/bin/interply-benchmarks --benchmark_filter='layer|contact'
+///     build/release/bin/interply-benchmarks --benchmark_filter='layer|contact|tool'
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 
 #include "contact/layer_interface.hpp"
+#include "contact/triangle_tool.hpp"
+#include "geometry/stl.hpp"
 #include "solver_fabric/fabric_layer.hpp"
 #include "solver_metal/metal_layer.hpp"
+#include "support/tool_surfaces.hpp"
+#include "support/vumat_laws.hpp"
 
 namespace {
 
@@ -29,13 +33,13 @@ NodalVectors deform(const mechanics::TriangleMesh& mesh, double h, double strain
 
 /// Internal forces of a layer that swings between two shapes.
 void run_layer(benchmark::State& state, solve::LayerMechanics& layer, const mechanics::TriangleMesh& mesh,
-               const NodalVectors& one, const NodalVectors& other) {
+               const NodalVectors& one, const NodalVectors& other, const solve::Instant& now = {}) {
   NodalVectors force(3, mesh.n_nodes());
   std::int64_t n = 0;
-  for (int i = 0; i < 20; ++i) layer.compute_internal_forces(i % 2 ? one : other, 0, force);
+  for (int i = 0; i < 20; ++i) layer.compute_internal_forces(i % 2 ? one : other, now, force);
   mechanics::Digest digest;
   digest.add(force);
-  for (auto _ : state) layer.compute_internal_forces(n++ % 2 ? one : other, 0, force);
+  for (auto _ : state) layer.compute_internal_forces(n++ % 2 ? one : other, now, force);
   state.SetItemsProcessed(n * mesh.n_elements());
   state.SetLabel("digest " + mechanics::to_hex(digest.value()));
 }
@@ -51,6 +55,19 @@ void fabric_layer(benchmark::State& state) {
   run_layer(state, ply, mesh, deform(mesh, 20, 0.002), deform(mesh, 20, 0.004));
 }
 BENCHMARK(fabric_layer);
+
+/// The same law in Fortran.
+void fabric_layer_vumat(benchmark::State& state) {
+  scene::Layer layer;
+  layer.name = "ply";
+  layer.thickness = 1.2;
+  layer.density = 6.19e-10;
+  layer.law = test::make_woven_vumat({});
+  const auto mesh = make_blank();
+  fabric::FabricLayer ply(layer, 1, mesh);
+  run_layer(state, ply, mesh, deform(mesh, 20, 0.002), deform(mesh, 20, 0.004), {.time = 1e-9, .dt = 1e-12});
+}
+BENCHMARK(fabric_layer_vumat);
 
 void metal_layer(benchmark::State& state, double swing) {
   scene::Layer layer;
@@ -69,13 +86,8 @@ void contact_interface(benchmark::State& state) {
     contact::VertexNormals normals;
     contact::LayerGeometry geometry;
     explicit Layer(double z) : mesh(make_blank(z)), normals(mesh) {
-      geometry.mesh = &mesh;
-      geometry.normals = &normals;
-      geometry.position = deform(mesh, 20, 0);
-      geometry.increment = geometry.normal = NodalVectors::Zero(3, mesh.n_nodes());
-      geometry.half_thickness = mechanics::Scalars::Constant(mesh.n_nodes(), 0.5);
-      geometry.mass = mechanics::compute_lumped_mass(mesh, 1, 1e-9);
-      normals.compute(geometry.position, geometry.normal);
+      geometry = contact::LayerGeometry::at_rest(mesh, normals, 1, 1e-9);
+      geometry.move_to(deform(mesh, 20, 0));
     }
   } lower(0), upper(0.99);
   contact::LayerInterface interface({.stiffness = 500, .tangential = 500, .damping = 1e-5, .friction = 0.25},
@@ -86,12 +98,13 @@ void contact_interface(benchmark::State& state) {
   digest.add(interface.force_on_upper());
   std::int64_t n = 0;
   double direction = 0.01;
+  NodalVectors shifted;
   for (auto _ : state) {
     if (n % 100 == 50) direction = -direction;
-    lower.geometry.increment.row(0) = direction;
-    lower.geometry.position.row(0) += direction;
-    lower.normals.compute(lower.geometry.position, lower.geometry.normal);
-    upper.normals.compute(upper.geometry.position, upper.geometry.normal);
+    shifted = lower.geometry.position;
+    shifted.row(0) += direction;
+    lower.geometry.move_to(shifted);
+    upper.geometry.move_to(upper.geometry.position);
     interface.update(1e-6);
     ++n;
   }
@@ -99,5 +112,32 @@ void contact_interface(benchmark::State& state) {
   state.SetLabel("digest " + mechanics::to_hex(digest.value()));
 }
 BENCHMARK(contact_interface);
+
+/// Distances of a tool at the nodes of the domed blank: what a step pays where nothing may be skipped.
+void run_tool(benchmark::State& state, const contact::SignedDistance& tool) {
+  const auto mesh = make_blank();
+  const NodalVectors x = deform(mesh, -20, 0);
+  mechanics::Scalars distance(mesh.n_nodes());
+  for (auto _ : state)
+    for (Eigen::Index i = 0; i < mesh.n_nodes(); ++i)
+      distance(i) = tool.evaluate(mechanics::at(x, i) + contact::Vector3(0, 0, 20)).value;
+  mechanics::Digest digest;
+  digest.add(distance);
+  state.SetItemsProcessed(state.iterations() * mesh.n_nodes());
+  state.SetLabel("digest " + mechanics::to_hex(digest.value()));
+}
+
+void tool_punch(benchmark::State& state) { run_tool(state, contact::PyramidPunch(100, 50, 15)); }
+BENCHMARK(tool_punch);
+
+void tool_die(benchmark::State& state) { run_tool(state, contact::OpeningPlate(100, 22, 10, true)); }
+BENCHMARK(tool_die);
+
+void tool_from_stl(benchmark::State& state, const test::Soup& soup) {
+  const auto surface = geometry::parse_stl(test::to_binary_stl(soup), "tool.stl");
+  run_tool(state, contact::TriangleTool(surface.vertices, surface.triangles));
+}
+BENCHMARK_CAPTURE(tool_from_stl, punch_5500_triangles, test::make_punch(100, 50, 15, 60, 20));
+BENCHMARK_CAPTURE(tool_from_stl, die_5500_triangles, test::make_plate(100, 22, 10, 80, 160, 20, true));
 
 }  // namespace

@@ -1,12 +1,9 @@
-#include "contact/layer_interface.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "contact/normals.hpp"
-#include "contact/tool_interface.hpp"
+#include "support/contact_layer.hpp"
 
 namespace {
 
@@ -15,40 +12,12 @@ using namespace interply::contact;
 
 const InterfaceLaw kLaw{.stiffness = 500, .tangential = 500, .damping = 0, .friction = 0.25};
 
-struct Layer {
-  mechanics::TriangleMesh mesh;
-  LayerGeometry geometry;
-  std::unique_ptr<VertexNormals> normals;
+struct Layer : test::ContactLayer {
   Layer(double h, double z, double thickness, double turn = 0, double size = 1)
-      : mesh(mechanics::make_rectangle({-5 * size, 5 * size}, {-4 * size, 4 * size}, h, z)) {
-    const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn, Vector3::UnitZ()));
-    for (int i = 0; i < mesh.n_nodes(); ++i) {
-      const Vector3 x = rotation * mechanics::at(mesh.reference, i);
-      for (int d = 0; d < 3; ++d) mesh.reference(d, i) = x(d);
-    }
-    geometry.mesh = &mesh;
-    geometry.position = mesh.reference;
-    geometry.increment = geometry.normal = NodalVectors::Zero(3, mesh.n_nodes());
-    geometry.half_thickness = Scalars::Constant(mesh.n_nodes(), 0.5 * thickness);
-    geometry.mass = mechanics::compute_lumped_mass(mesh, thickness, 1e-9);
-    normals = std::make_unique<VertexNormals>(mesh);
-    geometry.normals = normals.get();
-    normals->compute(geometry.position, geometry.normal);
-  }
-  template <typename F>
-  void move(F f) {
-    NodalVectors next(3, mesh.n_nodes());
-    for (int i = 0; i < mesh.n_nodes(); ++i) {
-      const Vector3 v = f(mechanics::at(mesh.reference, i));
-      for (int d = 0; d < 3; ++d) next(d, i) = v(d);
-    }
-    geometry.increment = next - geometry.position;
-    geometry.position = next;
-    normals->compute(geometry.position, geometry.normal);
-  }
+      : ContactLayer(test::make_turned_rectangle(5 * size, 4 * size, h, z, turn), thickness) {}
 };
 
-Vector3 total(const NodalVectors& f) { return {f.row(0).sum(), f.row(1).sum(), f.row(2).sum()}; }
+using test::total;
 
 TEST(LayerInterface, ForcesOnBothFacesCancel) {
   Layer lower(1.0, 0, 1), upper(0.7, 1, 1, 0.3);
@@ -117,30 +86,6 @@ TEST(LayerInterface, SlidingOverCurvedFacetsConservesEnergyToSecondOrder) {
   const double coarse = residual(200), fine = residual(400);
   EXPECT_LT(fine, 2e-3);
   EXPECT_LT(fine, 0.5 * coarse);  // second order between kinks of the facets
-}
-
-/// The normal force conserves angular momentum, too: both faces' moments cancel.
-TEST(LayerInterface, MomentsOfTheNormalForcesCancel) {
-  Layer lower(1.0, 0, 1), upper(0.7, 0.98, 1, 0.3, 1.6);
-  const auto bend = [](Vector3 x) { return Vector3(x.x(), x.y(), x.z() + 0.03 * x.squaredNorm()); };
-  lower.move(bend);
-  upper.move(bend);
-  LayerInterface interface({.stiffness = 500, .tangential = 500}, lower.geometry, upper.geometry);
-  interface.update(0);
-  Vector3 moment = Vector3::Zero();
-  double scale = 0;
-  const auto add = [&](const Layer& layer, const NodalVectors& force) {
-    for (int i = 0; i < layer.mesh.n_nodes(); ++i) {
-      const Vector3 m = mechanics::at(layer.geometry.position, i).cross(mechanics::at(force, i));
-      moment += m;
-      scale += m.norm();
-    }
-  };
-  ASSERT_EQ(interface.points().weight.minCoeff(), 1);  // beyond the edge clamped weights are no projection
-  add(lower, interface.force_on_lower());
-  add(upper, interface.force_on_upper());
-  EXPECT_GT(scale, 100);
-  EXPECT_LT(moment.norm(), 1e-10 * scale);
 }
 
 /// Tracked pairs agree with trying every triangle, on curved sheets that slide over each other.

@@ -49,7 +49,7 @@ TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
   for (const auto* part :
        {"flat_stack", "sheet_lower", "ply_2", "fabric", "metal", "shear angle up to 14.5 deg", "count 3\n",
-        "draw-in at -x, +x, +y (mm): sheet_lower 0.0 0.0 0.0, ply_1 0.0 0.0 0.0", "punch force 0.000 kN (half model)",
+        "draw-in at -x, +x, +y, largest of the rim (mm): sheet_lower 0.0 0.0 0.0 0.0, ply_1 0.0 0.0 0.0 0.0", "punch force 0.000 kN (half model)",
         "target 61.253 kN", "energy (mJ)", "kinetic/internal", "penetration"})
     EXPECT_THAT(run.outcome.summary, HasSubstr(part));
   EXPECT_THAT(run.outcome.summary, Not(HasSubstr("digest")));

@@ -27,6 +27,19 @@ TEST(RectangleMesh, DiagonalsAlternate) {
   EXPECT_EQ(count[1], 2);
 }
 
+TEST(Mesh, HalfOfABlankIsHeldAtItsSymmetryPlane) {
+  const std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  const TriangleMesh mesh = make_mesh({{-1, 1e-9}, {1, 0}, {1, 1}, {-1, 1}}, triangles, 0.5, true);
+  EXPECT_EQ(mesh.symmetry_nodes, (std::vector<int>{0, 1}));
+  EXPECT_EQ(mesh.reference(1, 0), 0);
+  EXPECT_EQ(mesh.reference(2, 3), 0.5);
+  EXPECT_EQ(mesh.neighbours(1, 0), 1);  // opposite corner 1 of the first triangle
+  EXPECT_NEAR(compute_areas(mesh).sum(), 2, 1e-8);
+  EXPECT_TRUE(make_mesh({{-1, 0}, {1, 0}, {1, 1}, {-1, 1}}, triangles, 0.5, false).symmetry_nodes.empty());
+  EXPECT_THROW(make_mesh({{-1, -1e-3}, {1, 0}, {1, 1}, {-1, 1}}, triangles, 0, true), std::invalid_argument);
+  EXPECT_THROW(make_mesh({{-1, 0.1}, {1, 0}, {1, 1}, {-1, 1}}, triangles, 0, true), std::invalid_argument);
+}
+
 TEST(Neighbours, AreMutualAndShareASide) {
   const TriangleMesh mesh = make_rectangle({0, 5}, {0, 3}, 1);
   int boundary = 0;

@@ -70,7 +70,7 @@ TEST(SceneErrors, BadVariantNamesTheNearestOne) {
 
 TEST(SceneErrors, LawHoldsExactlyOneKind) {
   EXPECT_EQ(refuse_value("layers.sheet.law.woven={}"), "layers[0].law: holds woven, j2; keep one of them");
-  EXPECT_EQ(refuse_value("layers.sheet.law={}"), "layers[0].law: needs one of woven, j2");
+  EXPECT_EQ(refuse_value("layers.sheet.law={}"), "layers[0].law: needs one of woven, j2, vumat");
   EXPECT_EQ(refuse_value("layers.sheet.law={j3: {}}"), "layers[0].law.j3: unknown key; did you mean 'j2'?");
   EXPECT_EQ(refuse_value("layers.sheet.law={wovn: {}}"), "layers[0].law.wovn: unknown key; did you mean 'woven'?");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.hardening={}"),
@@ -78,10 +78,21 @@ TEST(SceneErrors, LawHoldsExactlyOneKind) {
 }
 
 TEST(SceneErrors, KeysBelongToTheKindOfLayer) {
-  EXPECT_EQ(refuse_value("layers.sheet.bending=2"), "layers[0].bending: belongs to a woven layer only");
-  EXPECT_EQ(refuse_value("layers.sheet.twist=2"), "layers[0].twist: belongs to a woven layer only");
+  EXPECT_EQ(refuse_value("layers.sheet.bending=2"), "layers[0].bending: belongs to a fabric layer only");
+  EXPECT_EQ(refuse_value("layers.sheet.twist=2"), "layers[0].twist: belongs to a fabric layer only");
   EXPECT_EQ(refuse_value("layers.ply_1.integration_points=3"),
-            "layers[1].integration_points: belongs to a j2 layer only");
+            "layers[1].integration_points: belongs to a metal layer only");
+}
+
+TEST(SceneErrors, FibresOfAHalfModelMirrorOntoThemselves) {
+  const std::string cure = " deg is another direction in the mirrored half; set blank.symmetry: full";
+  EXPECT_EQ(refuse_value("layers.ply_1.orientation=30"), "layers[1].orientation: 30" + cure);
+  EXPECT_EQ(refuse_value("layers.ply_1.orientation=-90"), "");
+  EXPECT_EQ(refuse_value("layers.ply_1.orientation=135"), "");  // warp becomes weft, and they are alike
+  EXPECT_EQ(refuse(kSmallScene, {"layers.ply_1.orientation=30", "blank.symmetry=full"}), "");
+  EXPECT_EQ(refuse(with("variant: full", "b: [100, 101]\n    orientation: 45")),
+            "scene.yaml:13: layers[1].orientation: 45" + cure);
+  EXPECT_EQ(refuse_value("layers.sheet.orientation=30"), "");  // isotropic
 }
 
 TEST(SceneErrors, LayerNamesAreUniqueWords) {
@@ -191,6 +202,21 @@ TEST(SceneErrors, AddressIsOneThatTheExchangeKnows) {
        {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "ipc://", "tcp://a:5x"})
     EXPECT_EQ(refuse(kSmallScene + "exchange: {address: \"" + bad + "\"}\n"),
               "scene.yaml:15: exchange.address: '" + bad + "' is not ipc, ipc://path or tcp://host:port");
+}
+
+TEST(SceneErrors, ToolIsEitherParametersOrASurface) {
+  const std::string box = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\n"
+                          "endfacet\nendsolid\n";
+  const std::string path = ::testing::TempDir() + "interply_errors_" + std::to_string(getpid()) + ".stl";
+  std::ofstream(path) << box;
+  EXPECT_EQ(refuse_value("tools.punch={stl: " + path + "}"), "");
+  EXPECT_EQ(refuse_value("tools.punch={stl: " + path + ", edge: 100}"),
+            "tools.punch.edge: and stl are both given; keep one of them");
+  std::ofstream(path) << "solid a\nfacet\n";
+  EXPECT_EQ(refuse_value("tools.die={stl: " + path + "}"),
+            "tools.die.stl: " + path + ":3: 'normal' is expected instead of the end of the file");
+  std::filesystem::remove(path);
+  EXPECT_EQ(refuse_value("tools.die={stl: " + path + "}"), "tools.die.stl: " + path + ": there is no such file");
 }
 
 TEST(SceneErrors, MalformedYamlSaysItsLine) {

@@ -27,16 +27,16 @@ double compute_exact_increment(FabricLayer& layer, const mechanics::TriangleMesh
   for (int c = 0; c < 3; ++c)
     for (Eigen::Index i = 0; i < n; ++i) {
       moved(c, i) = x(c, i) + h;
-      layer.compute_internal_forces(moved, 0, above);
+      layer.compute_internal_forces(moved, {}, above);
       moved(c, i) = x(c, i) - h;
-      layer.compute_internal_forces(moved, 0, below);
+      layer.compute_internal_forces(moved, {}, below);
       moved(c, i) = x(c, i);
       for (int d = 0; d < 3; ++d)
         for (Eigen::Index j = 0; j < n; ++j)
           K(d * n + j, c * n + i) = (above(d, j) - below(d, j)) / (2 * h) / std::sqrt(mass(i) * mass(j));
     }
   const Eigen::MatrixXd symmetric = (K + K.transpose()) / 2;
-  layer.compute_internal_forces(x, 0, above);
+  layer.compute_internal_forces(x, {}, above);
   return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
                            .eigenvalues()
                            .maxCoeff());
@@ -90,18 +90,18 @@ TEST(StableIncrement, BoundsTheExactOneCloselyOnFlatStates) {
 
 TEST(StableIncrement, KinematicProductsAreThoseOfTheGradientsOfStretchAndShear) {
   const auto mesh = distort(mechanics::make_rectangle({0, 4}, {0, 4}, 4), 0.8);
-  const auto patches = mechanics::make_shell_patches(mesh, 0.3);
+  const auto shell = mechanics::make_shell_geometry(mesh, 0.3);
   NodalVectors x = map_in_plane(mesh, deform(1.1, 0.9, -0.6));
   x.row(2) = 0.3 * x.row(0) - 0.2 * x.row(1);
   for (Eigen::Index e = 0; e < mesh.n_elements(); ++e) {
     const auto state = [&] {
-      const auto g = mechanics::compute_surface_gradient(patches, x, e);
+      const auto g = mechanics::compute_surface_gradient(shell, x, e);
       return fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
     };
     Eigen::Matrix<double, 3, 9> B;
     for (int k = 0; k < 3; ++k)
       for (int c = 0; c < 3; ++c) {
-        double& coordinate = x(c, patches.nodes(k, e));
+        double& coordinate = x(c, shell.nodes(k, e));
         const double at = coordinate;
         for (int q = 0; q < 3; ++q)
           B(q, 3 * k + c) = differentiate(
@@ -114,7 +114,7 @@ TEST(StableIncrement, KinematicProductsAreThoseOfTheGradientsOfStretchAndShear) 
         coordinate = at;
       }
     const Eigen::Matrix3d Q =
-        fabric::compute_kinematic_products(state(), fabric::compute_gradient_products(patches, e));
+        fabric::compute_kinematic_products(state(), fabric::compute_gradient_products(shell, e));
     EXPECT_LT((Q - B * B.transpose()).cwiseAbs().maxCoeff(), 1e-10);
   }
 }
@@ -137,19 +137,19 @@ TEST(StableIncrement, HoldsOnDistortedWavyMeshesOfAnyOrientation) {
   }
 }
 
+/// Without a membrane the increment is that of the bending alone (mechanics/edge_motion_test.cpp compares it with the
+/// exact one, edges included). The edges stand still here, so the exact one is that of the nodes.
 TEST(StableIncrement, BendingAloneIsBounded) {
   for (const bool symmetric : {false, true}) {
     const auto mesh = distort(mechanics::make_rectangle({0, 16}, {0, 16}, 4, 0, symmetric), 0.5);
     auto ply = make_layer(soft(scene::Variant::Uncoupled));
-    const auto patches = mechanics::make_shell_patches(mesh, 0);
-    const auto mass = mechanics::compute_lumped_mass(mesh, 1.2, ply.density);
-    const double bound = 2 / std::sqrt(fabric::compute_bending_frequency_bound(patches, mesh, mass, 2.2));
     scene::WovenLaw none = soft(scene::Variant::Uncoupled);
     none.a = none.b = none.d = {1e-6, 1e-6};
     none.s = {1e-6, 0, 0};
     ply.law = none;
     FabricLayer layer(ply, 1, mesh);
     const double exact = compute_exact_increment(layer, mesh, mesh.reference, ply.density);
+    const double bound = layer.compute_stable_increment();
     EXPECT_LE(bound, exact);
     std::printf("bending: exact / bound %.3f; bending increment %.3g s\n", exact / bound, bound);
   }
@@ -162,7 +162,7 @@ TEST(StableIncrement, SlackFibresDoNotVoteForALargerIncrement) {
   FabricLayer layer(make_layer(law), 1, mesh);
   const double reference = layer.compute_stable_increment();
   NodalVectors force;
-  layer.compute_internal_forces(map_in_plane(mesh, deform(0.98, 0.98, 0)), 0, force);
+  layer.compute_internal_forces(map_in_plane(mesh, deform(0.98, 0.98, 0)), {}, force);
   EXPECT_NEAR(layer.compute_stable_increment(), reference, 0.03 * reference);
 }
 
@@ -171,7 +171,7 @@ TEST(StableIncrement, FollowsTheCurrentTangent) {
   FabricLayer layer(make_layer(soft()), 1, mesh);
   const double reference = layer.compute_stable_increment();
   NodalVectors force;
-  layer.compute_internal_forces(map_in_plane(mesh, deform(1.05, 1, 0)), 0, force);
+  layer.compute_internal_forces(map_in_plane(mesh, deform(1.05, 1, 0)), {}, force);
   // W_aa goes from 2 b = 200 to 6 a e + 2 b = 1850 MPa
   EXPECT_NEAR(reference / layer.compute_stable_increment(), std::sqrt(1850.0 / 200), 0.15 * std::sqrt(1850.0 / 200));
 }

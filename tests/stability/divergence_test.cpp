@@ -48,9 +48,10 @@ TEST(Divergence, PunchThatShootsThroughThePliesFoldsAnElement) {
 class NotANumber : public test::PointMasses {
  public:
   using PointMasses::PointMasses;
-  void compute_internal_forces(const mechanics::NodalVectors& x, double time, mechanics::NodalVectors& f) override {
-    PointMasses::compute_internal_forces(x, time, f);
-    if (time > 1e-4) f(2, 5) = std::numeric_limits<double>::quiet_NaN();
+  void compute_internal_forces(const mechanics::NodalVectors& x, const solve::Instant& now,
+                               mechanics::NodalVectors& f) override {
+    PointMasses::compute_internal_forces(x, now, f);
+    if (now.time > 1e-4) f(2, 5) = std::numeric_limits<double>::quiet_NaN();
   }
 };
 

@@ -27,24 +27,17 @@ struct FreeLayer {
       : mesh(std::move(m)), mechanics(std::move(law)), motion(mechanics::make_motion_at_rest(mesh)) {
     for (int d = 0; d < 3; ++d) motion.velocity.row(d) = velocity(d);
     normals = std::make_unique<contact::VertexNormals>(mesh);
-    geometry.mesh = &mesh;
-    geometry.normals = normals.get();
-    geometry.position = mesh.reference;
-    geometry.increment = geometry.normal = internal_force = NodalVectors::Zero(3, mesh.n_nodes());
-    geometry.half_thickness = mechanics::Scalars::Constant(mesh.n_nodes(), 0.5 * thickness);
-    geometry.mass = mechanics::compute_lumped_mass(mesh, thickness, density);
-    normals->compute(geometry.position, geometry.normal);
+    geometry = contact::LayerGeometry::at_rest(mesh, *normals, thickness, density);
+    internal_force = NodalVectors::Zero(3, mesh.n_nodes());
   }
   FreeLayer(const FreeLayer&) = delete;
 
   void drift(double dt) {
     mechanics::drift(motion, dt);
-    geometry.increment = motion.position - geometry.position;
-    geometry.position = motion.position;
-    normals->compute(geometry.position, geometry.normal);
+    geometry.move_to(motion.position);
   }
   void kick(double dt, double time, const NodalVectors& contact_force) {
-    mechanics->compute_internal_forces(motion.position, time, internal_force);
+    mechanics->compute_internal_forces(motion.position, {.time = time, .dt = motion.dt}, internal_force);
     kinetic = mechanics::kick(motion, dt, contact_force, internal_force, geometry.mass, {});
   }
   Vector3 momentum() const {
@@ -78,7 +71,7 @@ struct FreePair {
   double energy() const {
     const contact::InterfaceEnergies& e = interface.energies();
     return lower.kinetic + upper.kinetic + lower.internal() + upper.internal() + e.stored + e.friction + e.damping -
-           e.thinning;
+           e.thinning - e.edge;
   }
 };
 

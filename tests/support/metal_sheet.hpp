@@ -75,8 +75,9 @@ struct Sheet {
 
   Sheet(const scene::Layer& l, const TriangleMesh& mesh) : layer(l, l.density, mesh) {}
 
-  const NodalVectors& advance(const NodalVectors& x) {
-    layer.compute_internal_forces(x, 0.0, force);
+  /// @param dt  since the last position if both belong to a motion, s
+  const NodalVectors& advance(const NodalVectors& x, double dt = 0) {
+    layer.compute_internal_forces(x, {.dt = dt}, force);
     return force;
   }
   /// Follows make_curved_shape() from 0 to `amount`.

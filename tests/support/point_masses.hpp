@@ -9,7 +9,8 @@ namespace interply::test {
 class PointMasses : public solve::LayerMechanics {
  public:
   explicit PointMasses(Eigen::Index n_nodes) : n_nodes_(n_nodes) {}
-  void compute_internal_forces(const mechanics::NodalVectors&, double, mechanics::NodalVectors& force) override {
+  void compute_internal_forces(const mechanics::NodalVectors&, const solve::Instant&,
+                               mechanics::NodalVectors& force) override {
     force.setZero(3, n_nodes_);
   }
   double internal_energy() const override { return 0; }

@@ -5,6 +5,7 @@
 
 #include "contact/layer_interface.hpp"
 #include "contact/tool_interface.hpp"
+#include "support/results.hpp"
 
 namespace {
 
@@ -24,13 +25,7 @@ struct Plate {
       : mesh(mechanics::make_rectangle({-half_length, half_length}, {-half_width, half_width}, h, z)),
         normals(std::make_unique<contact::VertexNormals>(mesh)),
         area(4 * half_length * half_width) {
-    geometry.mesh = &mesh;
-    geometry.normals = normals.get();
-    geometry.position = mesh.reference;
-    geometry.increment = geometry.normal = NodalVectors::Zero(3, mesh.n_nodes());
-    geometry.half_thickness = Scalars::Constant(mesh.n_nodes(), 0.5);
-    geometry.mass = mechanics::compute_lumped_mass(mesh, 1, 1e-9);
-    normals->compute(geometry.position, geometry.normal);
+    geometry = LayerGeometry::at_rest(mesh, *normals, 1, 1e-9);
   }
   void move(const Vector3& step) {
     for (int d = 0; d < 3; ++d) {
@@ -82,7 +77,15 @@ struct Incline {
 
 TEST(InclinedPlane, BlockSticksJustBelowTheFrictionAngle) {
   const Incline incline(0.98);
-  EXPECT_EQ(incline.slipped, 0);
+  test::expect_result({.row = "V12",
+                       .quantity = "slip of a block on an incline, 2 % below the friction angle",
+                       .source = "tan a < mu",
+                       .reference = 0,
+                       .ours = incline.slipped,
+                       .unit = "mm",
+                       .tolerance = 0,
+                       .absolute = true,
+                       .mesh = "1 mm against 3 mm"});
   EXPECT_NEAR(incline.moved, incline.elastic,
               0.1 * incline.elastic);  // only the elastic stick, still swinging a little
 }
@@ -92,7 +95,13 @@ TEST(InclinedPlane, BlockSlidesJustAboveTheFrictionAngleAsNewtonSays) {
   EXPECT_GT(incline.slipped, 0);
   EXPECT_GT(incline.moved, 2 * incline.elastic);
   EXPECT_GT(incline.velocity, 0);
-  EXPECT_NEAR(incline.velocity, incline.expected_velocity, 0.02 * incline.expected_velocity);
+  test::expect_result({.row = "V12",
+                       .quantity = "speed of a block on an incline, 2 % above the friction angle",
+                       .source = "g (sin a - mu cos a) t",
+                       .reference = incline.expected_velocity,
+                       .ours = incline.velocity,
+                       .unit = "mm/s",
+                       .mesh = "1 mm against 3 mm"});
 }
 
 /// A strip between two plates under the same pressure: 2 mu N, whichever of its neighbours carries the contact points.
@@ -115,8 +124,9 @@ TEST(StripBetweenPlates, OfLayersNeedsTwiceMuN) {
       if (n == 0) continue;
       const Vector3 pull = -(total(lower.force_on_upper()) + total(upper.force_on_lower()));
       const double n_lower = total(lower.force_on_upper()).z(), n_upper = -total(upper.force_on_lower()).z();
-      ASSERT_NEAR(pull.x(), friction * (n_lower + n_upper), 1e-9 * pull.x());
-      ASSERT_NEAR(pull.y(), 0, 1e-9 * pull.x());
+      // nodes that leave or enter over an edge are pushed along it by up to p^2/(2 k) a width
+      ASSERT_NEAR(pull.x(), friction * (n_lower + n_upper), 1e-3 * pull.x());
+      ASSERT_NEAR(pull.y(), 0, 1e-3 * pull.x());
     }
     // 2 MPa over the plates; the upper interface's points are the strip's own nodes, so the plate's area is met to
     // within the strip of elements that is let go at its edges
@@ -153,6 +163,13 @@ TEST(StripBetweenPlates, OfToolsNeedsTwiceMuN) {
     above.update(1e-6);
   }
   const Vector3 force = total(below.force_on_layer()) + total(above.force_on_layer());
+  test::expect_result({.row = "V12",
+                       .quantity = "pull on a strip between two plates, mu 0.1",
+                       .source = "2 mu N",
+                       .reference = 2 * friction * normal,
+                       .ours = force.head(2).norm(),
+                       .unit = "N",
+                       .mesh = "2 mm"});
   EXPECT_NEAR(die.force.z(), -normal, 1e-9 * normal);
   EXPECT_NEAR(holder.force.z(), normal, 1e-9 * normal);
   EXPECT_NEAR(force.x(), -0.6 * 2 * friction * normal, 1e-9 * normal);

@@ -1,8 +1,10 @@
 /// V1: material point under uniaxial and biaxial strain, all variants, against the paper's equations written out here.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "solver_fabric/material_point.hpp"
 #include "support/fabric_cases.hpp"
+#include "support/results.hpp"
 
 namespace interply {
 namespace {
@@ -106,6 +108,72 @@ TEST(WovenMaterialPoint, BiaxialTensionStiffensByTheCouplingBelowTheCap) {
       }
 }
 
+/// One row of the table. 0.1 %: the interpolation of the sampled tables of variant `fabric`; the others are exact.
+void expect_row(const std::string& quantity, const scene::WovenLaw& law, const char* set, const char* source,
+                double reference, double ours, const char* unit) {
+  test::expect_result({.row = "V1",
+                       .quantity = fmt::format("{}, set {}, {}", quantity, set, name_of(law.variant)),
+                       .source = source,
+                       .reference = reference,
+                       .ours = ours,
+                       .unit = unit,
+                       .tolerance = law.variant == scene::Variant::Fabric ? 1e-3 : 1e-9,
+                       .mesh = "point"});
+}
+
+/// The equations of one fibre direction under its own strain e and the transverse strain x.
+struct Fibre {
+  double a, b, c, p_min, d;
+};
+Fibre warp_of(const scene::WovenLaw& l) { return {l.a.warp, l.b.warp, l.c.warp, l.p_min.warp, l.d.warp}; }
+Fibre weft_of(const scene::WovenLaw& l) { return {l.a.weft, l.b.weft, l.c.weft, l.p_min.weft, l.d.weft}; }
+
+/// Transverse strain at which the slack fibre `across` balances the coupling of `along` stretched by e; 1-D root.
+double contract(const scene::WovenLaw& law, const Fibre& along, const Fibre& across, double e) {
+  return find_root(
+      [&](double x) {
+        return 2 * across.d * x + energy(along.a, along.b, e) * factor_slope(law, along.c, along.p_min, x);
+      },
+      -0.5, 0);
+}
+
+TEST(WovenMaterialPoint, AnswersInClosedFormForTheTable) {
+  const char* closed = "eq. (2)-(7), closed form";
+  for (const auto variant : kVariants)
+    for (const auto& [set, law] : {std::pair{"stiff", stiff(variant)}, std::pair{"lopsided", lopsided(variant)}}) {
+      const Fibre warp = warp_of(law), weft = weft_of(law);
+      expect_row("1 % along the warp at fixed width, stress", law, set, closed, tension(warp.a, warp.b, 0.01),
+                 warp_stress(law, 0.01, 0), "MPa");
+      const bool is_symmetric = law.a.warp == law.a.weft;
+      if (!is_symmetric)
+        expect_row("1 % along the weft at fixed width, stress", law, set, closed, tension(weft.a, weft.b, 0.01),
+                   weft_stress(law, 0, 0.01), "MPa");
+      for (const bool along_warp : {true, false}) {
+        if (is_symmetric && !along_warp) continue;
+        const Fibre& along = along_warp ? warp : weft;
+        const Fibre& other = along_warp ? weft : warp;
+        const std::string name = fmt::format("2 % along the {} at free width", along_warp ? "warp" : "weft");
+        const auto across = [&](double x) {
+          return along_warp ? weft_stress(law, 0.02, x) : warp_stress(law, x, 0.02);
+        };
+        const double reference = contract(law, along, other, 0.02), ours = find_root(across, -0.5, 0.5);
+        if (is_biaxial(variant))
+          expect_row(name + ", transverse strain", law, set, "1-D root of eq. (3)-(7)", 100 * reference, 100 * ours,
+                     "%");
+        else
+          EXPECT_NEAR(ours, 0, 1e-15) << name;
+        expect_row(name + ", stress", law, set, "1-D root of eq. (3)-(7)",
+                   tension(along.a, along.b, 0.02) * factor(law, along.c, along.p_min, reference),
+                   along_warp ? warp_stress(law, 0.02, ours) : weft_stress(law, ours, 0.02), "MPa");
+        expect_row(fmt::format("equibiaxial 2 %, stress along the {}", along_warp ? "warp" : "weft"), law, set, closed,
+                   tension(along.a, along.b, 0.02) * factor(law, along.c, along.p_min, 0.02) +
+                       energy(other.a, other.b, 0.02) * factor_slope(law, other.c, other.p_min, 0.02),
+                   along_warp ? warp_stress(law, 0.02, 0.02) : weft_stress(law, 0.02, 0.02), "MPa");
+      }
+    }
+}
+
+/// The printed numbers, to the digits printed.
 TEST(WovenMaterialPoint, StiffSetGivesTheNumbersOfMechanicsV1) {
   for (const auto variant : kVariants) {
     EXPECT_NEAR(warp_stress(stiff(variant), 0.01, 0), 24.5, 0.05);

@@ -1,0 +1,38 @@
+/// What the readers of mesh files have in common: nodes and elements as written, and what makes them a flat blank.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "geometry/blank_mesh.hpp"
+
+namespace interply::geometry {
+
+struct RawNode {
+  std::int64_t id = 0;
+  std::array<double, 3> x{};  ///< mm
+  std::int64_t line = 0;
+};
+
+struct RawElement {
+  std::int64_t id = 0;
+  std::array<std::int64_t, 4> corner{};  ///< node numbers; the first `n` are in use
+  int n = 3;                             ///< 3 or 4
+  std::int64_t line = 0;
+};
+
+struct RawMesh {
+  std::vector<RawNode> nodes;
+  std::vector<RawElement> elements;  ///< of the chosen set
+};
+
+/// Nodes and chosen elements of one format. @throws Unreadable
+RawMesh parse_gmsh(std::string_view text, const std::string& origin, const std::string& set);
+RawMesh parse_abaqus(std::string_view text, const std::string& origin, const std::string& set);
+
+/// Checks everything that the shell and the contact search rely on, splits quadrilaterals, turns triangles over.
+/// @throws Unreadable  missing or repeated nodes, nodes off the plane, elements without area or with a re-entrant
+///                     corner, sides of three elements, overlapping neighbours, several pieces
+FlatMesh flatten(RawMesh raw, const std::string& origin);
+
+}  // namespace interply::geometry

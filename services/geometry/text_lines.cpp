@@ -1,0 +1,117 @@
+#include "geometry/text_lines.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/read_file.hpp"
+
+namespace interply::geometry {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+/// Levenshtein distance.
+std::size_t compute_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+bool Lines::next() {
+  if (rest_.empty()) return false;
+  const std::size_t end = rest_.find('\n');
+  line_ = trim(rest_.substr(0, end));
+  rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
+  ++number_;
+  return true;
+}
+
+void Lines::refuse(const std::string& sentence) const {
+  throw Unreadable(origin_ + ":" + std::to_string(number_) + ": " + sentence);
+}
+
+bool Fields::empty() const { return std::all_of(rest_.begin(), rest_.end(), is_blank); }
+
+std::string_view Fields::next() {
+  if (separator_ == ' ') rest_ = trim(rest_);
+  const auto is_end = [&](char c) { return separator_ == ' ' ? is_blank(c) : c == separator_; };
+  const auto end = static_cast<std::size_t>(std::find_if(rest_.begin(), rest_.end(), is_end) - rest_.begin());
+  const std::string_view value = trim(rest_.substr(0, end));
+  rest_ = end == rest_.size() ? std::string_view{} : rest_.substr(end + 1);
+  return value;
+}
+
+std::int64_t Fields::next_integer(const char* what) {
+  const std::string_view word = next();
+  std::int64_t value = 0;
+  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::result_out_of_range) lines_.refuse(std::string(what) + " " + quote(word) + " is too large");
+  if (error != std::errc{} || last != word.data() + word.size())
+    lines_.refuse(word.empty() ? std::string(what) + " is missing"
+                               : std::string(what) + " " + quote(word) + " is not a whole number");
+  return value;
+}
+
+double Fields::next_number(const char* what) {
+  std::string_view word = next();
+  if (word.empty()) lines_.refuse(std::string(what) + " is missing");
+  std::string digits(word.substr(word.starts_with('+') ? 1 : 0));
+  for (char& c : digits)
+    if (c == 'd' || c == 'D') c = 'e';  // Fortran's double precision
+  double value = 0;
+  const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || last != digits.data() + digits.size() || !std::isfinite(value))
+    lines_.refuse(std::string(what) + " " + quote(word) + " is not a finite number");
+  return value;
+}
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string to_lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
+std::string quote(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text.substr(0, 60)) out += c < 0x20 || c == 0x7f ? '?' : c;
+  out += '\'';
+  return out;
+}
+
+std::string suggest_set(const std::string& set, const std::vector<std::string>& known) {
+  constexpr std::size_t kListed = 20, kCompared = 1000;
+  if (known.empty()) return "; it has none";
+  const auto distance = [&](const std::string& name) {
+    return compute_distance(to_lower(set.substr(0, 60)), to_lower(name.substr(0, 60)));
+  };
+  const auto nearest =
+      std::min_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(std::min(known.size(), kCompared)),
+                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  if (distance(*nearest) <= std::max<std::size_t>(2, nearest->size() / 3) && distance(*nearest) < nearest->size())
+    return "; did you mean " + quote(*nearest) + "?";
+  std::string text = "; it has: ";
+  for (std::size_t i = 0; i < std::min(known.size(), kListed); ++i) text += (i ? ", " : "") + quote(known[i]);
+  return known.size() > kListed ? text + ", ..." : text;
+}
+
+}  // namespace interply::geometry

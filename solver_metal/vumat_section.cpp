@@ -1,0 +1,111 @@
+#include "solver_metal/vumat_section.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace interply::metal {
+
+namespace {
+
+mechanics::Matrix2 to_matrix(const Symmetric2& a) {
+  mechanics::Matrix2 m;
+  m << a.m11, a.m12, a.m12, a.m22;
+  return m;
+}
+
+double compute_isotropic_bound(const Eigen::Matrix3d& tangent) {
+  const Eigen::DiagonalMatrix<double, 3> t(1, 1, std::sqrt(2.0));
+  const Eigen::Matrix3d scaled = t * tangent * t;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(scaled, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(2);
+}
+
+}  // namespace
+
+VumatSection::VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::ShellGeometry& shell,
+                           const mechanics::NodalVectors& reference)
+    : name_(layer.name),
+      rule_(rule),
+      shell_(shell),
+      points_(std::get<scene::VumatLaw>(layer.law), layer.name, layer.density, shell.n_elements() * rule.size()),
+      increments_(static_cast<std::size_t>(points_.size())),
+      old_thickness_(static_cast<std::size_t>(rule.size()), 1.0) {
+  for (auto& increment : increments_) increment.stretch.setIdentity();
+  begin(reference, {});
+}
+
+void VumatSection::begin(const mechanics::NodalVectors& position, const solve::Instant& now) {
+  now_ = now;
+  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+    mechanics::Vector3 centre = mechanics::Vector3::Zero();
+    for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.nodes(k, e)) / 3;
+    for (int i = 0; i < rule_.size(); ++i) {
+      auto& at = increments_[static_cast<std::size_t>(first(e) + i)];
+      at.position = centre;
+      at.length = std::sqrt(shell_.area(e) * at.stretch.determinant());
+    }
+  }
+}
+
+void VumatSection::advance(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness) {
+  element_ = e;
+  auto* increments = &increments_[static_cast<std::size_t>(first(e))];
+  for (int i = 0; i < rule_.size(); ++i) {
+    const double xi = rule_.point[static_cast<std::size_t>(i)], z = 0.5 * thickness * xi;
+    const mechanics::Matrix2 old = points_.stretch(first(e) + i);
+    auto increment = solve::compute_vumat_increment(old, to_matrix(now.metric - (2 * z) * now.curvature));
+    increment.strain = to_matrix(de.membrane + xi * de.bending);
+    increment.position = increments[i].position;
+    increment.length = increments[i].length;
+    increments[i] = increment;
+    old_thickness_[static_cast<std::size_t>(i)] = points_.response(first(e) + i).thickness_stretch;
+  }
+  is_still() ? points_.rehearse(first(e), rule_.size(), increments, now_)
+             : points_.advance(first(e), rule_.size(), increments, now_);
+}
+
+double VumatSection::take(int i, J2Point& point) const {
+  const auto [sigma, thickness] = points_.response(first(element_) + i);
+  point.stress = {sigma(0, 0), sigma(1, 1), sigma(0, 1)};
+  if (!sigma.allFinite()) return NAN;
+  return std::log(thickness / old_thickness_[static_cast<std::size_t>(i)]);
+}
+
+double VumatSection::initial_modulus_bound() const { return compute_isotropic_bound(points_.initial_tangent()); }
+
+double VumatSection::compute_modulus_bound() {
+  double bound = initial_modulus_bound();
+  std::vector<Eigen::Matrix3d> tangents(static_cast<std::size_t>(rule_.size()));
+  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+    points_.compute_tangents(first(e), rule_.size(), &increments_[static_cast<std::size_t>(first(e))], now_,
+                             tangents.data());
+    for (const Eigen::Matrix3d& tangent : tangents) {
+      if (!tangent.allFinite())
+        throw mechanics::Divergence(fmt::format(
+            "layer {}, element {}, t = {:.6g} s: the vumat answers small strains with stiffnesses that are not finite; "
+            "check law.vumat.parameters, or lower time.safety",
+            name_, e, now_.time));
+      bound = std::max(bound, compute_isotropic_bound(tangent));
+    }
+  }
+  return bound;
+}
+
+void VumatSection::add_fields(std::vector<observe::Field>& fields) const {
+  const int low = (rule_.size() - 1) / 2, high = rule_.size() / 2;  // equal for an odd number of points
+  for (int v = 0; v < points_.n_state(); ++v) {
+    observe::Field field{.name = fmt::format("state_{}", v + 1),
+                         .unit = "1",
+                         .description = "state variable of the vumat at the midsurface, in its own unit",
+                         .values = {}};
+    for (Eigen::Index e = 0; e < shell_.n_elements(); ++e)
+      field.values.push_back(0.5 * (points_.state(v, first(e) + low) + points_.state(v, first(e) + high)));
+    fields.push_back(std::move(field));
+  }
+}
+
+}  // namespace interply::metal

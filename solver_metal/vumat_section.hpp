@@ -1,0 +1,59 @@
+/// A user's own law (services/solve/vumat.hpp) at the points through the thickness of a sheet.
+#pragma once
+
+#include <vector>
+
+#include "mechanics/edge_shell.hpp"
+#include "solve/vumat.hpp"
+#include "solver_metal/j2_law.hpp"
+#include "solver_metal/lobatto.hpp"
+#include "solver_metal/metal_element.hpp"
+
+namespace interply::metal {
+
+/// The points of one element are one call. The reference frame has e1 along the rolling direction. A point at height z
+/// gets the strain increment of the shell (E1), and as stretch U = sqrt(C - 2 z kappa).
+class VumatSection {
+ public:
+  /// @param shell  in the frame of the sheet; outlives this
+  /// @throws scene::SceneError as solve::VumatPoints
+  VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::ShellGeometry& shell,
+               const mechanics::NodalVectors& reference);
+
+  /// Before the elements of one evaluation. An instant with dt = 0 belongs to no motion: the law is called, but nothing
+  /// moves.
+  void begin(const mechanics::NodalVectors& position, const solve::Instant& now);
+  bool is_still() const { return now_.dt == 0; }
+
+  /// Advances all points of element `e`. @param thickness  before, mm
+  void advance(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness);
+  /// Hands over the stress of point i of the element last advanced.
+  /// @return its thickness strain increment; not finite if the law failed
+  double take(int i, J2Point& point) const;
+
+  /// d sigma / d(e11, e22, 2 e12) of the undeformed law, MPa.
+  const Eigen::Matrix3d& initial_tangent() const { return points_.initial_tangent(); }
+  /// Modulus E of the isotropic material with nu = 0 that is nowhere softer than the law now, nor than the undeformed
+  /// law: lambda_max(T D T), T = diag(1, 1, sqrt 2), MPa.
+  /// @throws mechanics::Divergence where the law fails
+  double compute_modulus_bound();
+  double initial_modulus_bound() const;
+
+  /// Adds state_1, state_2, ... at the midsurface.
+  void add_fields(std::vector<observe::Field>& fields) const;
+  void add_state_to(mechanics::Digest& digest) const { points_.add_state_to(digest); }
+
+ private:
+  Eigen::Index first(Eigen::Index e) const { return e * rule_.size(); }
+
+  std::string name_;
+  ThicknessRule rule_;
+  const mechanics::ShellGeometry& shell_;
+  solve::VumatPoints points_;
+  std::vector<solve::VumatIncrement> increments_;  // of the last evaluation [n_el x points]
+  std::vector<double> old_thickness_;              // F33 of the element last advanced [points]
+  solve::Instant now_;
+  Eigen::Index element_ = 0;  // last advanced
+};
+
+}  // namespace interply::metal

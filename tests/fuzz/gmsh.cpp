@@ -1,0 +1,7 @@
+/// Gmsh .msh meshes of blanks.
+#include "fuzz/blank.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  interply::fuzz::read_blank(data, size, "fuzz.msh");
+  return 0;
+}

@@ -1,0 +1,3 @@
+! A library without the entry point.
+subroutine umat()
+end subroutine
