@@ -113,8 +113,7 @@ TEST(StableIncrement, KinematicProductsAreThoseOfTheGradientsOfStretchAndShear) 
               at, 1e-3);
         coordinate = at;
       }
-    const Eigen::Matrix3d Q =
-        fabric::compute_kinematic_products(state(), fabric::compute_gradient_products(shell, e));
+    const Eigen::Matrix3d Q = fabric::compute_kinematic_products(state(), fabric::compute_gradient_products(shell, e));
     EXPECT_LT((Q - B * B.transpose()).cwiseAbs().maxCoeff(), 1e-10);
   }
 }

@@ -109,7 +109,7 @@ struct Limit {
 
 Limit find_limit(int n_layers) {
   Limit limit{.scene = test::read_test_scene("flat_stack.yaml", {"contact.damping=0", "tools.blank_holder.damping=0",
-                                                                 "motion.forming_time=1e-3", "record.frames=1"})};
+                                                                 "motion.forming_time=3e-3", "record.frames=1"})};
   scene::Scene& scene = limit.scene;
   scene.layers.resize(static_cast<std::size_t>(n_layers));
   for (scene::Layer& layer : scene.layers) layer.law = scene::WovenLaw{};  // one kind of layer, one mesh

@@ -37,8 +37,8 @@ TEST(Divergence, IncrementFarBeyondTheLimitIsFoundByAnElement) {
 }
 
 TEST(Divergence, PunchThatShootsThroughThePliesFoldsAnElement) {
-  scene::Scene scene = make_scene({"motion.stroke=75", "motion.forming_time=0.1e-3", "layers.sheet_lower.density=6e-10",
-                                   "layers.sheet_upper.density=6e-10"});
+  scene::Scene scene = make_scene({"motion.stroke=110", "motion.forming_time=0.1e-3",
+                                   "layers.sheet_lower.density=6e-10", "layers.sheet_upper.density=6e-10"});
   scene.layers.erase(scene.layers.begin());
   scene.layers.pop_back();  // three plies alone
   expect_sentence(test::run_in_process(scene), "ply_");

@@ -142,8 +142,10 @@ TEST_P(LargeRotation, FollowsTheElasticaAndConverges) {
     };
     const double deflection = report("deflection of the tip", exact[i].deflection * kLength, &Tip::deflection, "mm");
     const double shortening = report("shortening", exact[i].shortening * kLength, &Tip::shortening, "mm");
-    EXPECT_GT(deflection, 1.7);
-    EXPECT_GT(shortening, 1.7);
+    EXPECT_GT(deflection, 1.8);
+    // of a second-order quantity: terms of (t kappa)^2/12 = 3e-4 that thin-shell theory drops are seen on the finest
+    // mesh
+    EXPECT_GT(shortening, 1.6);
     expect_result({.row = "V10",
                    .quantity = "cantilever, " + std::to_string(degrees[i]) + " deg: rotation of the last elements",
                    .source = "elastica with stretch, RK4 in the test",
