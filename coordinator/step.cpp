@@ -8,16 +8,6 @@
 
 namespace interply::coordinator {
 
-namespace {
-
-/// Of the laminate at the mean speed of the punch, mJ.
-double compute_forming_kinetic_energy(const scene::Scene& scene, double mass) {
-  const double speed = scene.tools.punch ? scene.motion.stroke / scene.motion.forming_time : 0;
-  return 0.5 * mass * speed * speed;
-}
-
-}  // namespace
-
 Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink)
     : scene_(scene),
       link_(link),
@@ -28,7 +18,6 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
               stack_.stiffness()),
       layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
-      scale_(compute_forming_kinetic_energy(scene, stack_.mass())),
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
   energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));

@@ -68,10 +68,7 @@ class Forming {
   CoordinatorEnergies energies_;  ///< at step n - 1 until finish_step()
   EnergyBalance balance_;
   double travel_ = 0, old_punch_force_ = 0, residual_ = 0, largest_residual_ = 0;
-  /// What the residual is measured against, mJ: the largest energy scale so far, and from the start the kinetic energy
-  /// of the laminate at the mean speed of the punch. Forming is quasi-static only if it needs much more than that, and
-  /// the first nodes that the punch hits lose a part of a step's work when there is next to no energy yet.
-  double scale_ = 0;
+  double scale_ = 0;  ///< largest energy scale so far, which the residual is measured against, mJ
   double holder_deviation_ = 0, holder_impulse_ = 0, holder_time_ = 0;
   double penetration_99_ = 0, penetration_peak_ = 0;
   std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s

@@ -149,7 +149,8 @@ Distance TriangleTool::evaluate_by_all(const Vector3& x) const {
 }
 
 Distance TriangleTool::evaluate(const Vector3& x) const {
-  constexpr double kRounding = 1 - 1e-12;  // a box must not be passed over for the rounding of its distance
+  // a box must not be passed over for the rounding of its distance, in mm2 where that is next to nothing
+  constexpr double kRounding = 1 - 1e-12, kNothing = 1e-24;
   struct Waiting {
     int box;
     double squared;
@@ -160,7 +161,7 @@ Distance TriangleTool::evaluate(const Vector3& x) const {
   stack[n++] = {0, 0};
   while (n > 0) {
     const Waiting next = stack[--n];
-    if (next.squared * kRounding > best.squared) continue;
+    if (next.squared * kRounding > best.squared + kNothing) continue;
     const Box& box = boxes_[static_cast<std::size_t>(next.box)];
     for (int i = box.first; i < box.first + box.count; ++i)
       keep_nearer(best, find_nearest(triangles_[static_cast<std::size_t>(i)], i, x));

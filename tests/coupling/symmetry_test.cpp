@@ -50,8 +50,12 @@ struct Models {
 Models form(const std::string& half_blank, const std::string& full_blank, bool with_sheets) {
   const auto run = [&](const std::string& blank) {
     scene::Scene scene = test::read_test_scene(
-        "flat_stack.yaml", {"motion.stroke=4", "motion.forming_time=2.4e-3", "record.frames=1", "blank=" + blank});
-    if (!with_sheets) scene.layers = {scene.layers[1], scene.layers[2], scene.layers[3]};
+        "flat_stack.yaml",
+        {"motion.stroke=4", "motion.forming_time=2.4e-3", "contact.damping=0.5", "record.frames=1", "blank=" + blank});
+    if (!with_sheets) {
+      scene.layers = {scene.layers[1], scene.layers[2], scene.layers[3]};
+      for (scene::Layer& ply : scene.layers) ply.bending = {500, 500}, ply.twist = 250;
+    }
     return test::run_in_process(scene);
   };
   return {run(half_blank), run(full_blank)};
@@ -68,8 +72,11 @@ void expect_twice(const Models& models) {
 
 /// With an even number of elements across the half width the alternating diagonals of the full mesh are mirror images
 /// in y = 0 and its upper half is the half model's mesh: both are the same mechanics. Not the same bits: a node of the
-/// full model on y = 0 faces one of two mirrored triangles, so that its smooth surface has a one-sided slope, and slack
-/// plies that touch and part amplify that. Tolerance: 0.5 % of the stroke, 0.5 % of forces and energies.
+/// full model on y = 0 faces one of two mirrored triangles, so that its smooth surface has a one-sided slope. Slack
+/// plies amplify that without limit: squeezed by the holder, plies with a bending stiffness of 2.2 N mm buckle in the
+/// opening before the punch moves, and where they touch and part again is chance (in the full model, too, y > 0 and y <
+/// 0 then differ as much as half and full do). So the plies alone are given enough bending stiffness not to buckle, and
+/// contact damping that lets bouncing die out. Tolerance: 0.5 % of the stroke, 0.5 % of forces and energies.
 void expect_half_of_full(bool with_sheets) {
   const Models models = form("{mesh_size: 17.5, symmetry: half}", "{mesh_size: 17.5, symmetry: full}", with_sheets);
   const auto &half = models.half, &full = models.full;
