@@ -35,9 +35,7 @@ Projection project_on(const mechanics::TriangleMesh& mesh, const mechanics::Noda
                  mechanics::at(y, mesh.triangles(2, t)));
 }
 
-// A node keeps the triangle it has until it is this share of an element beyond a side. Nodes of matching meshes rest on
-// sides, and a stick spring that swings across one would change triangles, and directions, twice a period: that heats.
-constexpr double kOnSide = -1e-5;
+constexpr double kOnSide = -1e-9;  // a node on a side stays with the triangle it has
 
 /// Edge and share from the weights.
 void settle(const mechanics::TriangleMesh& partner, Facing& facing) {

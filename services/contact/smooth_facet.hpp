@@ -46,15 +46,17 @@ inline Rise compute_rise(const SmoothFacet& f, const double w[3]) {
   }
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const Vector3 side = f.x[j] - f.x[i], turn = f.n[j] - f.n[i];
-    const double sagitta = 0.5 * side.dot(turn), both = 0.5 * w[i] * w[j];
-    rise.value += w[i] * w[j] * sagitta;
-    by_weight[i] += w[j] * sagitta;
-    by_weight[j] += w[i] * sagitta;
-    rise.by_corner[i] -= both * turn;
-    rise.by_corner[j] += both * turn;
-    rise.by_normal[i] -= both * side;
-    rise.by_normal[j] += both * side;
+    const Vector3 side = f.x[j] - f.x[i], turn = f.n[j] - f.n[i], sum = f.n[i] + f.n[j];
+    const double both = 0.5 * w[i] * w[j], skew = w[i] - w[j];
+    const double even = 0.5 * side.dot(turn), odd = 0.5 * side.dot(sum);
+    rise.value += w[i] * w[j] * (even - skew * odd);
+    by_weight[i] += w[j] * (even - (skew + w[i]) * odd);
+    by_weight[j] += w[i] * (even - (skew - w[j]) * odd);
+    const Vector3 by_side = both * (turn - skew * sum);
+    rise.by_corner[i] -= by_side;
+    rise.by_corner[j] += by_side;
+    rise.by_normal[i] -= both * (1 + skew) * side;
+    rise.by_normal[j] += both * (1 - skew) * side;
   }
   rise.slope = (by_weight[1] - by_weight[0]) * f.gradient_2() + (by_weight[2] - by_weight[0]) * f.gradient_3();
   return rise;

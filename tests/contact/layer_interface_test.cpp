@@ -110,8 +110,7 @@ TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
       if (walked.share < 1) continue;  // beyond the edge
       const Facing searched = find_facing(upper.mesh, upper.geometry.position, x, normal,
                                           search_facing(upper.mesh, upper.geometry.position, x, normal));
-      // a node keeps its triangle up to 1e-5 of an element beyond a side
-      EXPECT_NEAR(walked.projection.distance, searched.projection.distance, 1e-5);
+      EXPECT_NEAR(walked.projection.distance, searched.projection.distance, 1e-9);
       ++compared;
     }
   }
