@@ -1,9 +1,10 @@
 /// Contact between two neighbouring layers: the nodes of the lower one against the smooth surface of the upper one.
 ///
-/// The distance of node p is measured along its averaged vertex normal n to the facet it faces, plus the
-/// rise of a smooth surface above that facet, the parabola over each side that the vertex normals n_i suggest:
+/// The distance of node p is measured along its averaged vertex normal n to the facet it faces, plus the rise r of a
+/// smooth surface above that facet, the cubic over each side that is tangent to the planes across the vertex normals:
 ///
-///   l = ((x_1 - x_p).N)/(n.N) + r      r = 1/2 sum_{i<j} w_i w_j (x_j - x_i).(n_j - n_i)                     (C1)
+///   l = ((x_1 - x_p).N)/(n.N) + r                                                                           (C1)
+///   r = 1/2 sum_{i<j} w_i w_j [ d.(n_j - n_i) - (w_i - w_j) d.(n_i + n_j) ],   d = x_j - x_i
 ///
 /// The normal force is the exact gradient of the penalty energy 1/2 k s A (h - l)^2 by all nodal positions, those that
 /// only turn a normal or change the share s at the partner's edge included. Friction and damper act at one point that

@@ -117,11 +117,12 @@ void expect_rows(const Patch& patch, const std::string& mesh, double node_tolera
                        .mesh = mesh});
 }
 
-/// What a run meets: plies of one mesh that have slid against each other.
+/// What a run meets: plies of one mesh that have slid against each other. What is allowed here and below is the stated
+/// error of the method (THEORY.md), a little above what was measured.
 TEST(ContactPatch, OfEqualMeshesThatHaveSlidCarriesUniformPressure) {
   const Patch patch(10, 10, 0, {3.7, 2.1, 0});
   // one pass of nodes: single nodes carry what their neighbours do not (services/contact/THEORY.md 4)
-  expect_rows(patch, "10 mm, shifted by (0.37, 0.21) elements", 0.03, 0.01);
+  expect_rows(patch, "10 mm, shifted by (0.37, 0.21) elements", 0.04, 0.01);
 }
 
 /// Meshes that nothing in a scene can produce today: the stated error of one pass. It does not fall with the mesh, for
@@ -129,7 +130,7 @@ TEST(ContactPatch, OfEqualMeshesThatHaveSlidCarriesUniformPressure) {
 TEST(ContactPatch, OfUnlikeMeshesHasTheStatedError) {
   expect_rows(Patch(7, 10, 0.4, {3.7, 2.1, 0}), "7 mm against 10 mm, turned by 23 deg", 0.04, 0.02);
   expect_rows(Patch(10, 10, 0.4, {3.7, 2.1, 0}), "10 mm against 10 mm, turned by 23 deg", 0.06, 0.03);
-  expect_rows(Patch(10, 7, 0.4, {3.7, 2.1, 0}), "10 mm against 7 mm, turned by 23 deg", 0.16, 0.06);
+  expect_rows(Patch(10, 7, 0.4, {3.7, 2.1, 0}), "10 mm against 7 mm, turned by 23 deg", 0.17, 0.06);
 }
 
 /// Flat stack of unlike meshes sheared by less than sticks: uniform traction, and its resultant on both faces.
