@@ -53,7 +53,9 @@ int main(int argc, char** argv) {
       "Example: interply-coordinator --bind tcp://127.0.0.1:7100 --scene scene.yaml --run test"};
   std::string address, scene_file, run_name = "run";
   std::vector<std::string> overrides;
-  app.add_option("--bind", address, "address to listen on, ipc://PATH or tcp://HOST:PORT (port * chooses one)")
+  app.add_option(
+         "--bind", address,
+         "address to listen on: shm://PATH (one host, the fastest), ipc://PATH or tcp://HOST:PORT (port * chooses one)")
       ->required();
   app.add_option("--scene", scene_file, "scene file")->required();
   app.add_option("--set", overrides, "path=value that overrides a key of the scene");

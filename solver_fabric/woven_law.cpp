@@ -13,14 +13,14 @@ double compute_smallest_eigenvalue(const Potential& w) {
 }
 
 InvariantLaw::InvariantLaw(const scene::WovenLaw& law)
-    : warp_{law.a.warp, law.b.warp,   law.c.warp,   law.p_min.warp,
-            law.d.warp, law.s_T.warp, law.s_C.warp, law.strain_cap.warp},
-      weft_{law.a.weft, law.b.weft,   law.c.weft,   law.p_min.weft,
-            law.d.weft, law.s_T.weft, law.s_C.weft, law.strain_cap.weft},
-      s_(law.s) {
+    : p_{.warp = {law.a.warp, law.b.warp, law.c.warp, law.p_min.warp, law.d.warp, law.s_T.warp, law.s_C.warp,
+                  law.strain_cap.warp},
+         .weft = {law.a.weft, law.b.weft, law.c.weft, law.p_min.weft, law.d.weft, law.s_T.weft, law.s_C.weft,
+                  law.strain_cap.weft},
+         .s = {law.s[0], law.s[1], law.s[2]}} {
   const bool biaxial = law.variant == scene::Variant::Full || law.variant == scene::Variant::Biaxial;
   const bool normal_shear = law.variant == scene::Variant::Full || law.variant == scene::Variant::NormalShear;
-  for (FibreParameters* p : {&warp_, &weft_}) {
+  for (FibreParameters* p : {&p_.warp, &p_.weft}) {
     if (!biaxial) {
       p->c = 0;
       p->p_min = 1;

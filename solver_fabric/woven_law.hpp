@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "solver_fabric/law_parameters.hpp"
 
 namespace interply::fabric {
 
@@ -41,11 +42,6 @@ struct Potential {
 
 /// Smallest eigenvalue of the Hessian, MPa; negative where the law is not convex in (la, lb, gamma).
 double compute_smallest_eigenvalue(const Potential& w);
-
-/// Parameters of one fibre direction (scene::WovenLaw).
-struct FibreParameters {
-  double a = 0, b = 0, c = 0, p_min = 1, d = 0, s_T = 0, s_C = 0, strain_cap = 0;
-};
 
 /// Uniaxial energy of one fibre direction: tension eq. (4), compression eq. (7).
 inline Jet compute_fibre_energy(const FibreParameters& p, double stretch) {
@@ -88,15 +84,15 @@ class InvariantLaw {
   ///   W = N_a(la) k_a(lb) + N_b(lb) k_b(la) + [W_S(gamma) + |gamma|^3/3 (A(la) + B(lb))] K_a(la) K_b(lb)
   /// with N k eq. (2)-(7), A, B eq. (9), K eq. (10).
   Potential evaluate(double la, double lb, double gamma) const {
-    const Jet na = compute_fibre_energy(warp_, la), nb = compute_fibre_energy(weft_, lb);
-    const Jet ka = la > 1 ? compute_biaxial_factor(warp_, lb) : Jet{1, 0, 0};
-    const Jet kb = lb > 1 ? compute_biaxial_factor(weft_, la) : Jet{1, 0, 0};
-    const Jet ta = compute_tension_shear_factor(warp_, la), tb = compute_tension_shear_factor(weft_, lb);
-    const Jet ca = compute_compression_shear_factor(warp_, la), cb = compute_compression_shear_factor(weft_, lb);
+    const Jet na = compute_fibre_energy(p_.warp, la), nb = compute_fibre_energy(p_.weft, lb);
+    const Jet ka = la > 1 ? compute_biaxial_factor(p_.warp, lb) : Jet{1, 0, 0};
+    const Jet kb = lb > 1 ? compute_biaxial_factor(p_.weft, la) : Jet{1, 0, 0};
+    const Jet ta = compute_tension_shear_factor(p_.warp, la), tb = compute_tension_shear_factor(p_.weft, lb);
+    const Jet ca = compute_compression_shear_factor(p_.warp, la), cb = compute_compression_shear_factor(p_.weft, lb);
 
     const double g = std::abs(gamma), sign = gamma < 0 ? -1 : 1;
-    const Jet s{g * g * (s_[0] / 2 + g * (s_[1] / 3 + g * s_[2] / 4)),  // eq. (8)
-                sign * g * (s_[0] + g * (s_[1] + g * s_[2])), s_[0] + g * (2 * s_[1] + g * 3 * s_[2])};
+    const Jet s{g * g * (p_.s[0] / 2 + g * (p_.s[1] / 3 + g * p_.s[2] / 4)),  // eq. (8)
+                sign * g * (p_.s[0] + g * (p_.s[1] + g * p_.s[2])), p_.s[0] + g * (2 * p_.s[1] + g * 3 * p_.s[2])};
     const Jet cube{g * g * g / 3, sign * g * g, 2 * g};
 
     const double t = ta.f + tb.f;
@@ -118,17 +114,20 @@ class InvariantLaw {
     return w;
   }
 
+  const InvariantParameters& parameters() const { return p_; }
+
   /// True where k_TC acts on a tension beyond its strain cap.
   bool is_beyond_cap(double la, double lb) const {
-    return (la > 1 && lb - 1 > warp_.strain_cap) || (lb > 1 && la - 1 > weft_.strain_cap);
+    return (la > 1 && lb - 1 > p_.warp.strain_cap) || (lb > 1 && la - 1 > p_.weft.strain_cap);
   }
 
   /// Larger of the fibre stiffnesses on both sides of l = 1, per direction, MPa.
-  scene::Pair stiffness_floor() const { return {2 * std::max(warp_.b, warp_.d), 2 * std::max(weft_.b, weft_.d)}; }
+  scene::Pair stiffness_floor() const {
+    return {2 * std::max(p_.warp.b, p_.warp.d), 2 * std::max(p_.weft.b, p_.weft.d)};
+  }
 
  private:
-  FibreParameters warp_, weft_;
-  std::array<double, 3> s_;  ///< MPa
+  InvariantParameters p_;
 };
 
 /// Piecewise linear T(x) with its exact integral from 0, straight on beyond both ends.
@@ -139,6 +138,8 @@ class PiecewiseLinear {
   explicit PiecewiseLinear(const scene::Table& table);
   /// f = integral of T from 0 to x, d = T(x), dd = slope.
   Jet evaluate(double x) const;
+  /// Valid while this lives.
+  CurveView view() const { return {x_.data(), value_.data(), integral_.data(), static_cast<int>(x_.size())}; }
 
  private:
   std::size_t find_segment(double x) const;
@@ -163,6 +164,7 @@ class TableLaw {
     w.W_gg = s.dd;
     return w;
   }
+  TableParameters parameters() const { return {warp_.view(), weft_.view(), shear_.view()}; }
   bool is_beyond_cap(double, double) const { return false; }
   scene::Pair stiffness_floor() const { return floor_; }
 

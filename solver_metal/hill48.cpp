@@ -4,17 +4,39 @@
 
 namespace interply::metal {
 
-namespace {
+Hill48Coefficients compute_hill48_coefficients(const scene::Hill48& r) {
+  const double h = r.r0 / (1 + r.r0), scale = 1 / (r.r90 * (1 + r.r0));
+  return {h, r.r0 * (1 + r.r90) * scale, (r.r0 + r.r90) * (1 + 2 * r.r45) * scale};
+}
 
-using Modes = std::array<double, 3>;
+Hill48Constants::Hill48Constants(const scene::J2Law& law)
+    : j2(law), coefficients(compute_hill48_coefficients(*law.hill48)) {
+  // C^(1/2) of plane stress: sum and difference of s11, s22 are its own modes
+  const double sum = std::sqrt(j2.sum_modulus), difference = std::sqrt(j2.twice_shear);
+  Eigen::Matrix2d root, inverse, yield;
+  root << sum + difference, sum - difference, sum - difference, sum + difference;
+  root /= 2;
+  inverse << difference + sum, difference - sum, difference - sum, difference + sum;
+  inverse /= 2 * sum * difference;
+  yield << 1, -coefficients.h, -coefficients.h, coefficients.p;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> modes(root * yield * root);
+  const Eigen::Matrix2d to = modes.eigenvectors().transpose() * inverse, from = root * modes.eigenvectors();
+  for (int i = 0; i < 2; ++i) {
+    rate[static_cast<std::size_t>(i)] = modes.eigenvalues()(i);
+    for (int j = 0; j < 2; ++j) {
+      to_mode[i][j] = to(i, j);
+      from_mode[i][j] = from(i, j);
+    }
+  }
+  rate[2] = 0.5 * j2.twice_shear * coefficients.q;
+  shear_root = std::sqrt(0.5 * j2.twice_shear);
+}
 
-/// Solves (R5) by Newton's method, which a bracket keeps from leaving; plastic_strain and yield of `point` advance.
-/// @param square  k_i y_i*^2, MPa2
-/// @return l, 1/MPa
-double find_multiplier(const Hill48Constants& law, const Modes& square, double trial, J2Point& point) {
+double update_plastic_strain(const Hill48Constants& law, const std::array<double, 3>& square, J2Point& point) {
   constexpr double kNearlyConverged = 1e-8;  // of (R5) / yield stress: one more linear step leaves its square
   constexpr int kMaxIterations = 80;         // the bracket alone is exhausted by then
-  const Modes& k = law.rate;
+  const auto& k = law.rate;
+  const double trial = std::sqrt(square[0] + square[1] + square[2]);
   // perfect plasticity with the softest of the rates returns at least this far
   double low = 0, high = (trial / point.yield.stress - 1) / std::min({k[0], k[1], k[2]});
   // first guess: exact for linear hardening where all rates are equal
@@ -50,36 +72,6 @@ double find_multiplier(const Hill48Constants& law, const Modes& square, double t
   return l;
 }
 
-}  // namespace
-
-Hill48Coefficients compute_hill48_coefficients(const scene::Hill48& r) {
-  const double h = r.r0 / (1 + r.r0), scale = 1 / (r.r90 * (1 + r.r0));
-  return {h, r.r0 * (1 + r.r90) * scale, (r.r0 + r.r90) * (1 + 2 * r.r45) * scale};
-}
-
-Hill48Constants::Hill48Constants(const scene::J2Law& law)
-    : j2(law), coefficients(compute_hill48_coefficients(*law.hill48)) {
-  // C^(1/2) of plane stress: sum and difference of s11, s22 are its own modes
-  const double sum = std::sqrt(j2.sum_modulus), difference = std::sqrt(j2.twice_shear);
-  Eigen::Matrix2d root, inverse, yield;
-  root << sum + difference, sum - difference, sum - difference, sum + difference;
-  root /= 2;
-  inverse << difference + sum, difference - sum, difference - sum, difference + sum;
-  inverse /= 2 * sum * difference;
-  yield << 1, -coefficients.h, -coefficients.h, coefficients.p;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> modes(root * yield * root);
-  const Eigen::Matrix2d to = modes.eigenvectors().transpose() * inverse, from = root * modes.eigenvectors();
-  for (int i = 0; i < 2; ++i) {
-    rate[static_cast<std::size_t>(i)] = modes.eigenvalues()(i);
-    for (int j = 0; j < 2; ++j) {
-      to_mode[i][j] = to(i, j);
-      from_mode[i][j] = from(i, j);
-    }
-  }
-  rate[2] = 0.5 * j2.twice_shear * coefficients.q;
-  shear_root = std::sqrt(0.5 * j2.twice_shear);
-}
-
 double update_point(const Hill48Constants& law, const Symmetric2& de, J2Point& point) {
   const double old_sum = point.stress.trace();
   const double a = law.j2.sum_modulus * de.trace(), b = law.j2.twice_shear * (de.m11 - de.m22);
@@ -87,11 +79,11 @@ double update_point(const Hill48Constants& law, const Symmetric2& de, J2Point& p
   const double trial = compute_hill48(law.coefficients, s);
   double plastic = 0;
   if (trial > point.yield.stress) {
-    Modes y{law.to_mode[0][0] * s.m11 + law.to_mode[0][1] * s.m22,
-            law.to_mode[1][0] * s.m11 + law.to_mode[1][1] * s.m22, s.m12 / law.shear_root};
-    const Modes& k = law.rate;
-    const Modes square{k[0] * y[0] * y[0], k[1] * y[1] * y[1], k[2] * y[2] * y[2]};
-    const double l = find_multiplier(law, square, trial, point);
+    std::array<double, 3> y{law.to_mode[0][0] * s.m11 + law.to_mode[0][1] * s.m22,
+                            law.to_mode[1][0] * s.m11 + law.to_mode[1][1] * s.m22, s.m12 / law.shear_root};
+    const auto& k = law.rate;
+    const std::array<double, 3> square{k[0] * y[0] * y[0], k[1] * y[1] * y[1], k[2] * y[2] * y[2]};
+    const double l = update_plastic_strain(law, square, point);
     for (std::size_t m = 0; m < 3; ++m) y[m] /= 1 + k[m] * l;  // (R4)
     s = {law.from_mode[0][0] * y[0] + law.from_mode[0][1] * y[1],
          law.from_mode[1][0] * y[0] + law.from_mode[1][1] * y[1], law.shear_root * y[2]};

@@ -55,6 +55,12 @@ struct Hill48Constants {
   double shear_root = 0;                      ///< sqrt(G): s12 = shear_root y_3
 };
 
+/// Returns the trial modes to the yield surface; called by update_point() for a state outside it.
+/// @param square  k_i y_i*^2, MPa2
+/// @param point   plastic_strain and yield advance
+/// @return l of (R5), 1/MPa
+double update_plastic_strain(const Hill48Constants& law, const std::array<double, 3>& square, J2Point& point);
+
 /// Advances a point by a strain increment in the rolling frame.
 /// @param de  logarithmic strain increment
 /// @return thickness strain increment: -nu/E d(s11 + s22) - (dp11 + dp22), plastic flow being incompressible

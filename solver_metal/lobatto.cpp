@@ -14,7 +14,7 @@ double ThicknessRule::second_moment() const {
 }
 
 ThicknessRule make_lobatto_rule(int n) {
-  if (n < 1 || n > 9) throw std::invalid_argument("integration_points: " + std::to_string(n) + " is not in 1 to 9");
+  if (n < 1 || n > 15) throw std::invalid_argument("integration_points: " + std::to_string(n) + " is not in 1 to 15");
   if (n == 1) return {{0.0}, {1.0}};
   ThicknessRule rule{std::vector<double>(n), std::vector<double>(n)};
   // the points are the extrema of the Legendre polynomial P of degree m = n - 1 and the ends:

@@ -15,7 +15,7 @@ struct ThicknessRule {
   double second_moment() const;
 };
 
-/// @param n  number of points, 1 to 9
+/// @param n  number of points, 1 to 15
 /// @throws std::invalid_argument
 ThicknessRule make_lobatto_rule(int n);
 

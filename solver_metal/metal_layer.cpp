@@ -13,11 +13,16 @@ namespace {
 
 constexpr double kSmallestAreaRatio = 0.05, kLargestAreaRatio = 20;
 
+const MetalKernels& choose_kernels() {
+  return simd::choose([](auto target) -> auto& { return get_metal_kernels<decltype(target)>(); });
+}
+
 Symmetric2 load(const Rows& rows, Eigen::Index first, Eigen::Index e) {
   return {rows(first, e), rows(first + 1, e), rows(first + 2, e)};
 }
 
-void store(Rows& rows, Eigen::Index first, Eigen::Index e, const Symmetric2& a) {
+template <class Array>
+void store(Array& rows, Eigen::Index first, Eigen::Index e, const Symmetric2& a) {
   rows(first, e) = a.m11;
   rows(first + 1, e) = a.m22;
   rows(first + 2, e) = a.m12;
@@ -41,10 +46,9 @@ double find_frame_angle(const scene::Layer& layer) {
 }
 
 std::unique_ptr<VumatSection> make_own(const scene::Layer& layer, const ThicknessRule& rule,
-                                       const mechanics::ShellGeometry& shell,
-                                       const mechanics::NodalVectors& reference) {
+                                       const mechanics::TriangleMesh& mesh) {
   if (!std::holds_alternative<scene::VumatLaw>(layer.law)) return nullptr;
-  return std::make_unique<VumatSection>(layer, rule, shell, reference);
+  return std::make_unique<VumatSection>(layer, rule, mesh);
 }
 
 /// D over (k11, k22, 2 k12) of the elastic sheet, N mm.
@@ -62,18 +66,21 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
     : name_(layer.name),
       law_(find_j2(layer)),
       hill48_(make_hill48(layer)),
+      constants_(make_law_constants(law_, hill48_ ? &*hill48_ : nullptr)),
       rule_(make_lobatto_rule(layer.integration_points)),
       thickness0_(layer.thickness),
-      shell_(mechanics::make_shell_geometry(mesh, find_frame_angle(layer))),
-      own_(make_own(layer, rule_, shell_, mesh.reference)),
+      own_(make_own(layer, rule_, mesh)),
       mass_(mechanics::compute_lumped_mass(mesh, layer.thickness, density)),
-      edges_(shell_, {compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), layer.thickness * density}),
+      shell_(mesh, find_frame_angle(layer),
+             {compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), layer.thickness * density},
+             layer.threads),
       bending_frequency2_(mechanics::compute_bending_frequencies2(
-          shell_, compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), mass_, edges_.inertia())),
-      passes_(shell_),
-      workers_(layer.threads) {
+          shell_.geometry(), compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), mass_,
+          shell_.edges().inertia())),
+      nodal_stiffness_(mesh.n_nodes()),
+      blocks_(shell_.n_blocks()),
+      kernels_(choose_kernels()) {
   const Eigen::Index n = n_elements(), points = rule_.size();
-  nodal_stiffness_.resize(mesh.n_nodes());
   metric_ = Rows::Zero(3, n);
   metric_.topRows(2).setOnes();
   curvature_ = Rows::Zero(3, n);
@@ -83,135 +90,114 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
   yield_stress_ = Rows::Constant(points, n, initial.stress);
   yield_slope_ = Rows::Constant(points, n, initial.slope);
   thickness_ = mechanics::Scalars::Constant(n, layer.thickness);
-  slot_force_ = mechanics::NodalVectors::Zero(3, 3 * n);
-  block_work_.resize(static_cast<std::size_t>(solve::count_blocks(n)));
-  block_edge_work_.resize(static_cast<std::size_t>(solve::count_blocks(shell_.n_edges())));
-  block_bad_.resize(block_work_.size());
+  rows_ = make_rows();
+}
+
+SheetRows MetalLayer::make_rows() {
+  SheetRows rows;
+  for (int c = 0; c < 3; ++c) {
+    rows.metric[c] = &metric_(c, 0);
+    rows.curvature[c] = &curvature_(c, 0);
+  }
+  rows.thickness = thickness_.data();
+  rows.stress = stress_.data();
+  rows.plastic_strain = plastic_strain_.data();
+  rows.yield_stress = yield_stress_.data();
+  rows.yield_slope = yield_slope_.data();
+  rows.xi = rule_.point.data();
+  rows.weight = rule_.weight.data();
+  rows.n_points = rule_.size();
+  rows.n = n_elements();
+  return rows;
 }
 
 void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                          mechanics::NodalVectors& force) {
-  const Eigen::Index n = n_elements(), n_edges = shell_.n_edges();
-  workers_.for_each_block(
-      n_edges, [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) { edges_.advance(now.dt, begin, end); });
-  edges_.finish(now.dt);
+  shell_.advance_edges(now.dt);
   if (own_) own_->begin(position, now);
-  workers_.for_each_block(n, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    compute_facets(position, begin, end, block_bad_[block]);
+  const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
+  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    blocks_[block].bad = kernels_.compute_facets(shell_.rows(), x, kSmallestAreaRatio, kLargestAreaRatio, begin, end);
   });
   throw_if_bad(position, now.time);
-  workers_.for_each_block(n, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    block_work_[block] = advance_elements(begin, end, block_bad_[block]);
+  shell_.reflect_facets();
+  const double* const phi = shell_.edges().angle().data();
+  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    blocks_[block] =
+        own_ ? advance_own(begin, end) : kernels_.advance(shell_.rows(), rows_, constants_, phi, begin, end);
   });
   throw_if_bad(position, now.time);
-  workers_.for_each_block(n, [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) mechanics::add_bending_forces(shell_, passes_, e, slot_force_);
-  });
-  workers_.for_each_block(n_edges, [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    block_edge_work_[block] = edges_.update_torques(shell_, passes_, now.dt, begin, end);
-  });
-  for (const double work : block_work_) internal_energy_ += work;
-  for (const double work : block_edge_work_) internal_energy_ += work;
-  force.resize(3, position.cols());
-  workers_.for_each_block(position.cols(), [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) {
-    mechanics::gather_forces(shell_.gather, slot_force_, begin, end, force);
-  });
+  for (const SheetAdvance& block : blocks_) internal_energy_ += block.work;
+  internal_energy_ += shell_.compute_forces(now.dt, force);
 }
 
-void MetalLayer::compute_facets(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end,
-                                BadElement& bad) {
-  bad = {};
+SheetAdvance MetalLayer::advance_own(Eigen::Index begin, Eigen::Index end) {
+  const mechanics::ShellGeometry& geometry = shell_.geometry();
+  mechanics::ShellPasses& passes = shell_.passes();
+  SheetAdvance result;
   for (Eigen::Index e = begin; e < end; ++e) {
-    const auto g = mechanics::compute_surface_gradient(shell_, position, e);
-    passes_.store_facet(e, g);
-    const bool usable = g.area_ratio > kSmallestAreaRatio && g.area_ratio <= kLargestAreaRatio;
-    if (!usable && bad.element < 0) bad = {e, g.area_ratio};
-  }
-}
-
-double MetalLayer::advance_elements(Eigen::Index begin, Eigen::Index end, BadElement& bad) {
-  double work = 0;
-  for (Eigen::Index e = begin; e < end; ++e) {
-    const mechanics::SurfaceGradient g = passes_.facet(e);
-    const auto k = mechanics::compute_curvature(shell_, passes_, edges_.angle(), e);
+    const mechanics::SurfaceGradient g = passes.facet(e);
+    const auto k = mechanics::compute_curvature(geometry, passes, shell_.edges().angle(), e);
     const ElementShape now{
         {g.f1.squaredNorm(), g.f2.squaredNorm(), g.f1.dot(g.f2)}, {k.k11, k.k22, k.k12}, g.area_ratio};
-    const Resultants r = advance_element(e, now, work);
-    store_membrane_forces(e, g, r.force);
-    mechanics::store_moments(shell_, k, r.moment.m11, r.moment.m22, r.moment.m12, e, passes_);
+    const Resultants r = advance_own_element(e, now, result.work);
+    store(passes.membrane, 0, e, geometry.area(e) * r.force);
+    mechanics::store_moments(geometry, k, r.moment.m11, r.moment.m22, r.moment.m12, e, passes);
     if (!(thickness_(e) > 0 && std::isfinite(thickness_(e)))) {
-      bad = {e, g.area_ratio};
-      return work;
+      result.bad = e;
+      return result;
     }
   }
-  return work;
+  return result;
 }
 
 void MetalLayer::throw_if_bad(const mechanics::NodalVectors& position, double time) const {
-  for (const BadElement& bad : block_bad_)
-    if (bad.element >= 0) report(bad, position, time);
+  for (const SheetAdvance& block : blocks_)
+    if (block.bad >= 0) report(block.bad, position, time);
 }
 
 J2Point MetalLayer::load_point(int i, Eigen::Index e) const {
   return {load(stress_, 3 * i, e), plastic_strain_(i, e), {yield_stress_(i, e), yield_slope_(i, e)}};
 }
 
-void MetalLayer::store_point(int i, Eigen::Index e, const J2Point& point) {
-  store(stress_, 3 * i, e, point.stress);
-  plastic_strain_(i, e) = point.plastic_strain;
-  yield_stress_(i, e) = point.yield.stress;
-  yield_slope_(i, e) = point.yield.slope;
-}
-
-Resultants MetalLayer::advance_element(Eigen::Index e, const ElementShape& now, double& work) {
+Resultants MetalLayer::advance_own_element(Eigen::Index e, const ElementShape& now, double& work) {
   const Symmetric2 metric = load(metric_, 0, e);
   const ElementShape before{metric, load(curvature_, 0, e), std::sqrt(metric.determinant())};
   const double thickness_before = thickness_(e);
   const StrainIncrement de = compute_strain_increment(before, now, thickness_before);
 
-  if (own_) own_->advance(e, now, de, thickness_before);
+  own_->advance(e, now, de, thickness_before);
   Symmetric2 mean, moment;
   double thickness_strain = 0, stress_work = 0;
   for (int i = 0; i < rule_.size(); ++i) {
     const double w = rule_.weight[i], xi = rule_.point[i];
-    const Symmetric2 strain = de.membrane + xi * de.bending;
-    J2Point point = load_point(i, e);
-    const Symmetric2 stress_before = point.stress;
-    thickness_strain += w * (own_      ? own_->take(i, point)
-                             : hill48_ ? update_point(*hill48_, strain, point)
-                                       : update_point(law_, strain, point));
-    stress_work += w * 0.5 * contract(stress_before + point.stress, strain);
-    mean = mean + w * point.stress;
-    moment = moment + (w * xi) * point.stress;
-    store_point(i, e, point);
+    const Symmetric2 stress_before = load(stress_, 3 * i, e);
+    Symmetric2 stress;
+    thickness_strain += w * own_->take(i, stress);
+    stress_work += w * 0.5 * contract(stress_before + stress, de.membrane + xi * de.bending);
+    mean = mean + w * stress;
+    moment = moment + (w * xi) * stress;
+    store(stress_, 3 * i, e, stress);
   }
-  if (own_ && own_->is_still()) return compute_resultants(now, thickness_before, mean, moment);
+  if (own_->is_still()) return compute_resultants(now, thickness_before, mean, moment);
   const double thickness = thickness_before * std::exp(thickness_strain);
-  const double mean_volume = 0.5 * shell_.area(e) * (before.area_ratio * thickness_before + now.area_ratio * thickness);
-  work += mean_volume * stress_work;
+  work += 0.5 * shell_.geometry().area(e) * (before.area_ratio * thickness_before + now.area_ratio * thickness) *
+          stress_work;
   thickness_(e) = thickness;
   store(metric_, 0, e, now.metric);
   store(curvature_, 0, e, now.curvature);
   return compute_resultants(now, thickness, mean, moment);
 }
 
-void MetalLayer::store_membrane_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const Symmetric2& force) {
-  const mechanics::Vector3 p1 = shell_.area(e) * (force.m11 * g.f1 + force.m12 * g.f2);
-  const mechanics::Vector3 p2 = shell_.area(e) * (force.m12 * g.f1 + force.m22 * g.f2);
-  for (int k = 0; k < 3; ++k) {
-    const mechanics::Vector3 own = shell_.gradient(2 * k, e) * p1 + shell_.gradient(2 * k + 1, e) * p2;
-    for (int c = 0; c < 3; ++c) slot_force_(c, k * n_elements() + e) = own(c);
-  }
-}
-
 MetalLayer::CornerGradients MetalLayer::compute_corner_gradients(Eigen::Index e) const {
+  const mechanics::ShellGeometry& shell = shell_.geometry();
   const Symmetric2 metric = load(metric_, 0, e);
   const double j = std::sqrt(metric.determinant());
   const Symmetric2 u = compute_inverse_stretch(metric, j);
   CornerGradients corner;
-  corner.volume = shell_.area(e) * j * thickness_(e);
+  corner.volume = shell.area(e) * j * thickness_(e);
   for (int k = 0; k < 3; ++k) {
-    const double b1 = shell_.gradient(2 * k, e), b2 = shell_.gradient(2 * k + 1, e);
+    const double b1 = shell.gradient(2 * k, e), b2 = shell.gradient(2 * k + 1, e);
     const double g1 = u.m11 * b1 + u.m12 * b2, g2 = u.m12 * b1 + u.m22 * b2;
     corner.product[k] = {g1 * g1, g2 * g2, g1 * g2};
   }
@@ -222,7 +208,8 @@ double MetalLayer::compute_stable_increment() {
   nodal_stiffness_.setZero();  // q of (T2)
   for (Eigen::Index e = 0; e < n_elements(); ++e) {
     const CornerGradients corner = compute_corner_gradients(e);
-    for (int k = 0; k < 3; ++k) nodal_stiffness_(shell_.nodes(k, e)) += corner.volume * corner.product[k].trace();
+    for (int k = 0; k < 3; ++k)
+      nodal_stiffness_(shell_.geometry().nodes(k, e)) += corner.volume * corner.product[k].trace();
   }
   const double young = own_ ? own_->compute_modulus_bound() : law_.young, poisson = own_ ? 0 : law_.poisson;
   const double stiffening = own_ ? std::max(1.0, young / own_->initial_modulus_bound()) : 1;
@@ -231,7 +218,7 @@ double MetalLayer::compute_stable_increment() {
     const CornerGradients corner = compute_corner_gradients(e);
     Symmetric2 gram;
     for (int k = 0; k < 3; ++k) {
-      const int node = shell_.nodes(k, e);
+      const int node = shell_.geometry().nodes(k, e);
       const double weight = nodal_stiffness_(node) / (mass_(node) * corner.product[k].trace());
       gram = gram + weight * corner.product[k];
     }
@@ -250,22 +237,22 @@ double MetalLayer::compute_stable_increment() {
   return 2 / std::sqrt(highest);
 }
 
-void MetalLayer::report(const BadElement& bad, const mechanics::NodalVectors& position, double time) const {
-  const Eigen::Index e = bad.element;
+void MetalLayer::report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const {
+  const double area_ratio = shell_.passes().area_ratio(e);
   mechanics::Vector3 centre = mechanics::Vector3::Zero();
-  for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.nodes(k, e)) / 3;
+  for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.geometry().nodes(k, e)) / 3;
   std::ostringstream text;
   text << "layer " << name_ << ", element " << e << " at (" << centre.x() << ", " << centre.y() << ", " << centre.z()
        << ") mm, t = " << time << " s: ";
   int lost = -1;  // corner without a finite position
   for (int k = 2; k >= 0; --k)
-    if (!mechanics::at(position, shell_.nodes(k, e)).allFinite()) lost = shell_.nodes(k, e);
+    if (!mechanics::at(position, shell_.geometry().nodes(k, e)).allFinite()) lost = shell_.geometry().nodes(k, e);
   if (lost >= 0) {
     const mechanics::Vector3 x = mechanics::at(position, lost);
     text << "node " << lost << " is at (" << x.x() << ", " << x.y() << ", " << x.z()
          << "), the motion is no longer finite; lower time.safety or time.vote_every, and look at the last frames";
-  } else if (bad.area_ratio <= kSmallestAreaRatio || bad.area_ratio > kLargestAreaRatio) {
-    text << "area ratio " << bad.area_ratio << " is not in [" << kSmallestAreaRatio << ", " << kLargestAreaRatio
+  } else if (area_ratio <= kSmallestAreaRatio || area_ratio > kLargestAreaRatio) {
+    text << "area ratio " << area_ratio << " is not in [" << kSmallestAreaRatio << ", " << kLargestAreaRatio
          << "], the element is crushed or torn open; refine blank.mesh_size, lower time.safety, or check friction and "
             "blank-holder pressure";
   } else if (own_) {

@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "mechanics/edge_motion.hpp"
-#include "solve/blocks.hpp"
 #include "solve/layer_mechanics.hpp"
+#include "solve/shell.hpp"
 #include "solver_metal/hill48.hpp"
 #include "solver_metal/j2_law.hpp"
 #include "solver_metal/lobatto.hpp"
 #include "solver_metal/metal_element.hpp"
+#include "solver_metal/metal_kernels.hpp"
 #include "solver_metal/vumat_section.hpp"
 
 namespace interply::metal {
@@ -39,12 +39,6 @@ class MetalLayer : public solve::LayerMechanics {
   void add_state_to(mechanics::Digest& digest) const override;
 
  private:
-  /// What went wrong in a block: its first bad element and that element's area ratio.
-  struct BadElement {
-    Eigen::Index element = -1;
-    double area_ratio = 0;
-  };
-
   /// g_k g_k' of the three corners, g_k = U^-1 dN_k/dX (1/mm), and the current volume, mm3.
   struct CornerGradients {
     Symmetric2 product[3];
@@ -52,29 +46,26 @@ class MetalLayer : public solve::LayerMechanics {
   };
 
   Eigen::Index n_elements() const { return shell_.n_elements(); }
+  SheetRows make_rows();
   J2Point load_point(int i, Eigen::Index e) const;
-  void store_point(int i, Eigen::Index e, const J2Point& point);
-  /// First pass: facets; finds the first element of a block that is crushed or torn.
-  void compute_facets(const mechanics::NodalVectors& position, Eigen::Index begin, Eigen::Index end, BadElement& bad);
-  /// Second pass: strain, stress, thickness, moments, and the forces of the membrane into the slots. Returns the stress
-  /// work, mJ.
-  double advance_elements(Eigen::Index begin, Eigen::Index end, BadElement& bad);
-  /// Stress, thickness and resultants of one element; adds its stress work to `work`.
-  Resultants advance_element(Eigen::Index e, const ElementShape& now, double& work);
-  void store_membrane_forces(Eigen::Index e, const mechanics::SurfaceGradient& g, const Symmetric2& force);
+  /// Second pass of an own law; as SheetAdvance of metal_kernels.hpp.
+  SheetAdvance advance_own(Eigen::Index begin, Eigen::Index end);
+  /// Stress, thickness and resultants of one of its elements; adds its stress work to `work`.
+  Resultants advance_own_element(Eigen::Index e, const ElementShape& now, double& work);
+  /// @throws mechanics::Divergence if a block reported an element
   void throw_if_bad(const mechanics::NodalVectors& position, double time) const;
   CornerGradients compute_corner_gradients(Eigen::Index e) const;
-  [[noreturn]] void report(const BadElement& bad, const mechanics::NodalVectors& position, double time) const;
+  [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 
   std::string name_;
   J2Constants law_;
   std::optional<Hill48Constants> hill48_;
+  LawConstants constants_;  // of these two
   ThicknessRule rule_;
-  double thickness0_;  // mm
-  mechanics::ShellGeometry shell_;
+  double thickness0_;                  // mm
   std::unique_ptr<VumatSection> own_;  // the user's law and its history, or null
   mechanics::Scalars mass_;            // lumped, with mass scaling [n_nodes] t
-  mechanics::EdgeMotion edges_;
+  solve::Shell shell_;
   mechanics::Scalars bending_frequency2_;  // of the flat elastic sheet [n_el] 1/s2
 
   // state after the last compute_internal_forces()
@@ -89,11 +80,9 @@ class MetalLayer : public solve::LayerMechanics {
 
   // scratch, sized once
   mechanics::Scalars nodal_stiffness_;  // [n_nodes] mm
-  mechanics::ShellPasses passes_;
-  mechanics::NodalVectors slot_force_;  // force on corner k of element e in column k * n_el + e [3 x 3 n_el] N
-  std::vector<double> block_work_, block_edge_work_;
-  std::vector<BadElement> block_bad_;
-  solve::Workers workers_;
+  SheetRows rows_;                      // of the state
+  std::vector<SheetAdvance> blocks_;    // of elements
+  const MetalKernels& kernels_;
 };
 
 /// Factory for solve::solver_main(): layer `layer` of the scene with its mass scaling.

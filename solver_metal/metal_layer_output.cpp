@@ -19,15 +19,16 @@ observe::Field make_field(const char* name, const char* unit, const char* descri
 }  // namespace
 
 mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
-  const auto& gather = shell_.gather;
+  const mechanics::ShellGeometry& shell = shell_.geometry();
+  const auto& gather = shell.gather;
   const Eigen::Index n_nodes = static_cast<Eigen::Index>(gather.start.size()) - 1;
   mechanics::Scalars nodal(n_nodes);
   for (Eigen::Index node = 0; node < n_nodes; ++node) {
     double volume = 0, area = 0;
     for (int i = gather.start[node]; i < gather.start[node + 1]; ++i) {
       const Eigen::Index e = gather.entry[i] % n_elements();
-      volume += shell_.area(e) * thickness_(e);
-      area += shell_.area(e);
+      volume += shell.area(e) * thickness_(e);
+      area += shell.area(e);
     }
     nodal(node) = area > 0 ? volume / area : thickness0_;
   }
@@ -89,8 +90,8 @@ void MetalLayer::add_state_to(mechanics::Digest& digest) const {
   digest.add(stress_);
   digest.add(plastic_strain_);
   digest.add(thickness_);
-  digest.add(edges_.angle());
-  digest.add(edges_.rate());
+  digest.add(shell_.edges().angle());
+  digest.add(shell_.edges().rate());
   if (own_) own_->add_state_to(digest);
 }
 

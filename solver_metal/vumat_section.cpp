@@ -26,27 +26,27 @@ double compute_isotropic_bound(const Eigen::Matrix3d& tangent) {
 
 }  // namespace
 
-VumatSection::VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::ShellGeometry& shell,
-                           const mechanics::NodalVectors& reference)
+VumatSection::VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::TriangleMesh& mesh)
     : name_(layer.name),
       rule_(rule),
-      shell_(shell),
-      points_(std::get<scene::VumatLaw>(layer.law), layer.name, layer.density, shell.n_elements() * rule.size()),
+      nodes_(mesh.triangles),
+      area_(mechanics::compute_areas(mesh)),
+      points_(std::get<scene::VumatLaw>(layer.law), layer.name, layer.density, mesh.n_elements() * rule.size()),
       increments_(static_cast<std::size_t>(points_.size())),
       old_thickness_(static_cast<std::size_t>(rule.size()), 1.0) {
   for (auto& increment : increments_) increment.stretch.setIdentity();
-  begin(reference, {});
+  begin(mesh.reference, {});
 }
 
 void VumatSection::begin(const mechanics::NodalVectors& position, const solve::Instant& now) {
   now_ = now;
-  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+  for (Eigen::Index e = 0; e < area_.size(); ++e) {
     mechanics::Vector3 centre = mechanics::Vector3::Zero();
-    for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.nodes(k, e)) / 3;
+    for (int k = 0; k < 3; ++k) centre += mechanics::at(position, nodes_(k, e)) / 3;
     for (int i = 0; i < rule_.size(); ++i) {
       auto& at = increments_[static_cast<std::size_t>(first(e) + i)];
       at.position = centre;
-      at.length = std::sqrt(shell_.area(e) * at.stretch.determinant());
+      at.length = std::sqrt(area_(e) * at.stretch.determinant());
     }
   }
 }
@@ -68,9 +68,9 @@ void VumatSection::advance(Eigen::Index e, const ElementShape& now, const Strain
              : points_.advance(first(e), rule_.size(), increments, now_);
 }
 
-double VumatSection::take(int i, J2Point& point) const {
+double VumatSection::take(int i, Symmetric2& stress) const {
   const auto [sigma, thickness] = points_.response(first(element_) + i);
-  point.stress = {sigma(0, 0), sigma(1, 1), sigma(0, 1)};
+  stress = {sigma(0, 0), sigma(1, 1), sigma(0, 1)};
   if (!sigma.allFinite()) return NAN;
   return std::log(thickness / old_thickness_[static_cast<std::size_t>(i)]);
 }
@@ -80,7 +80,7 @@ double VumatSection::initial_modulus_bound() const { return compute_isotropic_bo
 double VumatSection::compute_modulus_bound() {
   double bound = initial_modulus_bound();
   std::vector<Eigen::Matrix3d> tangents(static_cast<std::size_t>(rule_.size()));
-  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+  for (Eigen::Index e = 0; e < area_.size(); ++e) {
     points_.compute_tangents(first(e), rule_.size(), &increments_[static_cast<std::size_t>(first(e))], now_,
                              tangents.data());
     for (const Eigen::Matrix3d& tangent : tangents) {
@@ -102,7 +102,7 @@ void VumatSection::add_fields(std::vector<observe::Field>& fields) const {
                          .unit = "1",
                          .description = "state variable of the vumat at the midsurface, in its own unit",
                          .values = {}};
-    for (Eigen::Index e = 0; e < shell_.n_elements(); ++e)
+    for (Eigen::Index e = 0; e < area_.size(); ++e)
       field.values.push_back(0.5 * (points_.state(v, first(e) + low) + points_.state(v, first(e) + high)));
     fields.push_back(std::move(field));
   }

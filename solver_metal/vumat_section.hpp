@@ -3,9 +3,8 @@
 
 #include <vector>
 
-#include "mechanics/edge_shell.hpp"
+#include "mechanics/mesh.hpp"
 #include "solve/vumat.hpp"
-#include "solver_metal/j2_law.hpp"
 #include "solver_metal/lobatto.hpp"
 #include "solver_metal/metal_element.hpp"
 
@@ -15,10 +14,8 @@ namespace interply::metal {
 /// gets the strain increment of the shell (E1), and as stretch U = sqrt(C - 2 z kappa).
 class VumatSection {
  public:
-  /// @param shell  in the frame of the sheet; outlives this
   /// @throws scene::SceneError as solve::VumatPoints
-  VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::ShellGeometry& shell,
-               const mechanics::NodalVectors& reference);
+  VumatSection(const scene::Layer& layer, const ThicknessRule& rule, const mechanics::TriangleMesh& mesh);
 
   /// Before the elements of one evaluation. An instant with dt = 0 belongs to no motion: the law is called, but nothing
   /// moves.
@@ -27,9 +24,9 @@ class VumatSection {
 
   /// Advances all points of element `e`. @param thickness  before, mm
   void advance(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness);
-  /// Hands over the stress of point i of the element last advanced.
+  /// Hands over the stress of point i of the element last advanced, MPa.
   /// @return its thickness strain increment; not finite if the law failed
-  double take(int i, J2Point& point) const;
+  double take(int i, Symmetric2& stress) const;
 
   /// d sigma / d(e11, e22, 2 e12) of the undeformed law, MPa.
   const Eigen::Matrix3d& initial_tangent() const { return points_.initial_tangent(); }
@@ -48,7 +45,8 @@ class VumatSection {
 
   std::string name_;
   ThicknessRule rule_;
-  const mechanics::ShellGeometry& shell_;
+  mechanics::Triangles nodes_;  // [3 x n_el]
+  mechanics::Scalars area_;     // reference [n_el] mm2
   solve::VumatPoints points_;
   std::vector<solve::VumatIncrement> increments_;  // of the last evaluation [n_el x points]
   std::vector<double> old_thickness_;              // F33 of the element last advanced [points]

@@ -22,24 +22,10 @@ struct LayerGeometry {
 
   /// A flat layer at rest in its reference position; keeps pointers to both. @param thickness, density  mm, t/mm3
   static LayerGeometry at_rest(const mechanics::TriangleMesh& mesh, VertexNormals& normals, double thickness,
-                               double density) {
-    const NodalVectors zero = NodalVectors::Zero(3, mesh.n_nodes());
-    LayerGeometry g{.mesh = &mesh, .normals = &normals, .position = mesh.reference};
-    g.increment = g.normal = g.turn = zero;
-    g.half_thickness = Scalars::Constant(mesh.n_nodes(), 0.5 * thickness);
-    g.mass = mechanics::compute_lumped_mass(mesh, thickness, density);
-    normals.compute(g.position, g.normal);
-    return g;
-  }
+                               double density);
 
   /// On to x(n): position, increment, normals and their turn.
-  void move_to(const NodalVectors& x) {
-    increment = x - position;
-    position = x;
-    turn = -normal;
-    normals->compute(position, normal);
-    turn += normal;
-  }
+  void move_to(const NodalVectors& x);
 };
 
 }  // namespace interply::contact

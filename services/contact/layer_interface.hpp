@@ -14,6 +14,9 @@
 
 #include <vector>
 
+#include "contact/blocks.hpp"
+#include "contact/face_forces.hpp"
+#include "contact/kernels.hpp"
 #include "contact/layer_geometry.hpp"
 #include "contact/pairing.hpp"
 #include "contact/points.hpp"
@@ -27,8 +30,12 @@ class LayerInterface {
   LayerInterface(const InterfaceLaw& law, const LayerGeometry& lower, const LayerGeometry& upper);
 
   /// Advances all points to the layers' current positions and fills the forces on both faces.
-  /// @param dt  increment that led here, s; 0 for the initial state
-  void update(double dt);
+  /// @param dt   increment that led here, s; 0 for the initial state
+  /// @param run  blocks.hpp; the results do not depend on it
+  void update(double dt, const BlockRunner& run = run_serially);
+
+  /// The same point by point in the plain form of the equations: what update() must agree with to round-off.
+  void update_plainly(double dt);
 
   /// For each node of both partners, the row sum of M^-1 K of all paired points, touching or not: what contact adds to
   /// omega^2 there, an upper bound where the facets are flat (THEORY.md 3). Adds to `lower_rate` and `upper_rate`,
@@ -37,8 +44,8 @@ class LayerInterface {
 
   const Points& points() const { return points_; }
   const InterfaceEnergies& energies() const { return energies_; }
-  const NodalVectors& force_on_lower() const { return force_on_lower_; }  ///< [3 x n_nodes of lower] N
-  const NodalVectors& force_on_upper() const { return force_on_upper_; }  ///< [3 x n_nodes of upper] N
+  const NodalVectors& force_on_lower() const { return on_lower_.force(); }  ///< [3 x n_nodes of lower] N
+  const NodalVectors& force_on_upper() const { return on_upper_.force(); }  ///< [3 x n_nodes of upper] N
 
  private:
   /// Node i against the facet it faces now.
@@ -49,18 +56,23 @@ class LayerInterface {
     double distance = 0, height = 0;  ///< l and h, mm
   };
   Approach approach(Eigen::Index i, const Facing& facing) const;
-  /// Adds the spring energy that node i gains by facing another triangle beyond the edge to `edge`.
-  void book_change_of_triangle(Eigen::Index i, int before, const Approach& now);
+  /// Follows node i to the triangle it faces now. Adds the spring energy that it gains by facing another triangle
+  /// beyond the edge to `edge`.
+  Facing follow(Eigen::Index i, double& edge);
+  PairRows describe(double dt);
+  void add_upper_forces();
   void update_point(Eigen::Index i, double dt);
 
   InterfaceLaw law_;
+  const ContactKernels& kernels_;
   const LayerGeometry& lower_;
   const LayerGeometry& upper_;
   Points points_;
-  std::vector<Facing> facing_;
-  NodalVectors force_on_lower_, force_on_upper_;
-  NodalVectors old_force_on_lower_, old_force_on_upper_;
-  NodalVectors pull_on_lower_, pull_on_upper_;  ///< minus the derivative of the energy by the normals [3 x n_nodes] mJ
+  std::vector<int> triangle_;  ///< that each node of the lower layer faces
+  FaceForces on_lower_, on_upper_;
+  std::vector<Quad> upper_force_;       ///< of each point on the corners it faces, kernels.hpp
+  std::vector<unsigned char> touches_;  ///< 0: nothing acts at the point
+  std::vector<InterfaceEnergies> block_energies_;
   InterfaceEnergies energies_;
 };
 

@@ -1,58 +1,108 @@
 #include "contact/normals.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace interply::contact {
 
-using mechanics::Vector3;
-
 VertexNormals::VertexNormals(const mechanics::TriangleMesh& mesh)
     : mesh_(mesh),
-      around_(mechanics::make_incidence(mesh.triangles.data(), 3, mesh.n_elements(), mesh.n_nodes())),
-      area_vectors_(3, mesh.n_elements()),
-      length_(mesh.n_nodes()) {
-  for (int& entry : around_.entry) entry %= static_cast<int>(mesh.n_elements());  // the slot does not matter here
+      position_(static_cast<std::size_t>(mesh.n_nodes())),
+      area_(static_cast<std::size_t>(mesh.n_nodes())),
+      length_(mesh.n_nodes()),
+      sideways_(mechanics::Scalars::Ones(mesh.n_nodes())) {
+  for (const int i : mesh.symmetry_nodes) sideways_(i) = 0;
 }
 
-void VertexNormals::compute(const mechanics::NodalVectors& x, mechanics::NodalVectors& normals) {
-  for (Eigen::Index e = 0; e < mesh_.n_elements(); ++e) {
-    const int a = mesh_.triangles(0, e), b = mesh_.triangles(1, e), c = mesh_.triangles(2, e);
-    const double ux = x(0, b) - x(0, a), uy = x(1, b) - x(1, a), uz = x(2, b) - x(2, a);
-    const double vx = x(0, c) - x(0, a), vy = x(1, c) - x(1, a), vz = x(2, c) - x(2, a);
-    area_vectors_(0, e) = uy * vz - uz * vy;
-    area_vectors_(1, e) = uz * vx - ux * vz;
-    area_vectors_(2, e) = ux * vy - uy * vx;
+void VertexNormals::compute(const mechanics::NodalVectors& position, mechanics::NodalVectors& normal,
+                            mechanics::NodalVectors& turn) {
+  const Index n = mesh_.n_nodes();
+  const double *x = &position(0, 0), *y = &position(1, 0), *z = &position(2, 0);
+  Quad *at = position_.data(), *area = area_.data();
+  for (Index i = 0; i < n; ++i) {
+    at[i] = {x[i], y[i], z[i], 0};
+    area[i] = {};
   }
-  for (Eigen::Index i = 0; i < mesh_.n_nodes(); ++i) {
-    Vector3 sum = Vector3::Zero();
-    for (int k = around_.start[i]; k < around_.start[i + 1]; ++k) sum += mechanics::at(area_vectors_, around_.entry[k]);
-    length_(i) = sum.norm();
-    for (int d = 0; d < 3; ++d) normals(d, i) = sum(d) / length_(i);
+  const int *a = &mesh_.triangles(0, 0), *b = &mesh_.triangles(1, 0), *c = &mesh_.triangles(2, 0);
+  for (Index e = 0; e < mesh_.n_elements(); ++e) {
+    const Four first = load(at[a[e]]), twice = cross(load(at[b[e]]) - first, load(at[c[e]]) - first);
+    add_to(area[a[e]], twice);
+    add_to(area[b[e]], twice);
+    add_to(area[c[e]], twice);
   }
-  for (const int i : mesh_.symmetry_nodes) {
-    const double in_plane = std::hypot(normals(0, i), normals(2, i));
-    normals(0, i) /= in_plane;
-    normals(1, i) = 0;
-    normals(2, i) /= in_plane;
-    length_(i) *= in_plane;
+  constexpr Index kChunk = 128;
+  double sum[3][kChunk], inverse[kChunk];
+  for (Index first = 0; first < n; first += kChunk) {
+    const Index m = std::min(kChunk, n - first);
+    const double* sideways = &sideways_(first);
+    double* length = &length_(first);
+    for (Index i = 0; i < m; ++i) {
+      sum[0][i] = area[first + i].x;
+      sum[1][i] = area[first + i].y * sideways[i];
+      sum[2][i] = area[first + i].z;
+    }
+    for (Index i = 0; i < m; ++i) {
+      length[i] = std::sqrt(sum[0][i] * sum[0][i] + sum[1][i] * sum[1][i] + sum[2][i] * sum[2][i]);
+      inverse[i] = 1 / length[i];
+    }
+    for (int d = 0; d < 3; ++d) {
+      double *to = &normal(d, first), *by = &turn(d, first);
+      for (Index i = 0; i < m; ++i) {
+        const double now = sum[d][i] * inverse[i];
+        by[i] = now - to[i];
+        to[i] = now;
+      }
+    }
   }
 }
 
-void VertexNormals::add_forces_to(const mechanics::NodalVectors& x, const mechanics::NodalVectors& normals,
-                                  mechanics::NodalVectors& pull, mechanics::NodalVectors& force) const {
-  for (Eigen::Index i = 0; i < mesh_.n_nodes(); ++i) {  // dn = (I - n n) ds / |s|
-    const double along = pull(0, i) * normals(0, i) + pull(1, i) * normals(1, i) + pull(2, i) * normals(2, i);
-    for (int d = 0; d < 3; ++d) pull(d, i) = (pull(d, i) - along * normals(d, i)) / length_(i);
+void VertexNormals::turn_pulls_to_areas(const mechanics::NodalVectors& normal, Quad* records) const {
+  const double *nx = &normal(0, 0), *ny = &normal(1, 0), *nz = &normal(2, 0);
+  const auto project = [&](auto px, auto py, auto pz, auto x, auto y, auto z, auto length, auto sideways, auto put) {
+    const auto along = px * x + py * y + pz * z;
+    const auto inverse = 1 / length;
+    put((px - along * x) * inverse, (py - along * y) * inverse * sideways, (pz - along * z) * inverse);
+  };
+  const auto four = [](const double* row) {
+    Four a;
+    __builtin_memcpy(&a, row, sizeof a);
+    return a;
+  };
+  const Index n = mesh_.n_nodes();
+  Index i = 0;
+  for (; i + 4 <= n; i += 4) {
+    Quad* pull = records + 2 * i + 1;
+    Four p[4] = {load(pull[0]), load(pull[2]), load(pull[4]), load(pull[6])};
+    transpose(p[0], p[1], p[2], p[3]);
+    project(p[0], p[1], p[2], four(nx + i), four(ny + i), four(nz + i), four(&length_(i)), four(&sideways_(i)),
+            [&](Four x, Four y, Four z) {
+              Four u = {0, 0, 0, 0};
+              transpose(x, y, z, u);
+              store(pull[0], x);
+              store(pull[2], y);
+              store(pull[4], z);
+              store(pull[6], u);
+            });
   }
-  for (const int i : mesh_.symmetry_nodes) pull(1, i) = 0;
-  for (Eigen::Index e = 0; e < mesh_.n_elements(); ++e) {  // s is a sum of u x v over the triangles
-    const int a = mesh_.triangles(0, e), b = mesh_.triangles(1, e), c = mesh_.triangles(2, e);
-    const Vector3 q = mechanics::at(pull, a) + mechanics::at(pull, b) + mechanics::at(pull, c);
-    const Vector3 u = mechanics::at(x, b) - mechanics::at(x, a), v = mechanics::at(x, c) - mechanics::at(x, a);
-    const Vector3 on_b = v.cross(q), on_c = q.cross(u);
-    mechanics::add_at(force, b, on_b);
-    mechanics::add_at(force, c, on_c);
-    mechanics::add_at(force, a, -on_b - on_c);
+  for (; i < n; ++i) {
+    Quad& pull = records[2 * i + 1];
+    project(pull.x, pull.y, pull.z, nx[i], ny[i], nz[i], length_(i), sideways_(i), [&](double x, double y, double z) {
+      pull = {x, y, z, 0};
+    });
+  }
+}
+
+void VertexNormals::add_forces_of_pulls(const mechanics::NodalVectors& normal, Quad* records) const {
+  turn_pulls_to_areas(normal, records);
+  const int *a = &mesh_.triangles(0, 0), *b = &mesh_.triangles(1, 0), *c = &mesh_.triangles(2, 0);
+  const Quad *x = position_.data(), *pull = records + 1;
+  for (Index e = 0; e < mesh_.n_elements(); ++e) {  // s is a sum of u x v over the triangles
+    const int i = a[e], j = b[e], k = c[e];
+    const Four q = load(pull[2 * i]) + load(pull[2 * j]) + load(pull[2 * k]);
+    const Four first = load(x[i]), on_j = cross(load(x[k]) - first, q), on_k = cross(q, load(x[j]) - first);
+    add_to(records[2 * i], -on_j - on_k);
+    add_to(records[2 * j], on_j);
+    add_to(records[2 * k], on_k);
   }
 }
 

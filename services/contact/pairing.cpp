@@ -35,8 +35,6 @@ Projection project_on(const mechanics::TriangleMesh& mesh, const mechanics::Noda
                  mechanics::at(y, mesh.triangles(2, t)));
 }
 
-constexpr double kOnSide = -1e-9;  // a node on a side stays with the triangle it has
-
 /// Edge and share from the weights.
 void settle(const mechanics::TriangleMesh& partner, Facing& facing) {
   double least = kOnSide;

@@ -3,12 +3,10 @@
 
 #include <vector>
 
+#include "contact/law.hpp"
 #include "mechanics/mesh.hpp"
 
 namespace interply::contact {
-
-/// Share of an element by which a node may leave the partner's edge and still be held.
-inline constexpr double kEdgeMargin = 0.3;
 
 /// Projection of a point along a direction onto the plane of a triangle.
 struct Projection {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact/law.hpp"
 #include "mechanics/nodal.hpp"
 
 namespace interply::contact {
@@ -13,14 +14,6 @@ namespace interply::contact {
 using mechanics::NodalVectors;
 using mechanics::Scalars;
 using mechanics::Vector3;
-
-/// Everything per area of the interface, so that a result does not change with the mesh.
-struct InterfaceLaw {
-  double stiffness = 0;   ///< k    pressure per penetration                     N/mm3
-  double tangential = 0;  ///< k_t  tangential traction per elastic slip         N/mm3
-  double damping = 0;     ///< c    pressure per closing speed, while touching   N s/mm3
-  double friction = 0;    ///< mu
-};
 
 /// Stiffness from the penetration that is allowed at a reference pressure, k = p_ref / (fraction * thickness).
 double compute_stiffness(double reference_pressure, double fraction, double thickness);
@@ -39,8 +32,6 @@ inline double compute_turning_factor(double offset, double area) {
   return root * root;
 }
 
-enum class State : int { Open = 0, Stick = 1, Slide = 2 };
-
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the
 /// partner receives the opposite.
 struct Points {
@@ -58,19 +49,6 @@ struct Points {
   explicit Points(const Scalars& areas);
   Points() = default;
   Eigen::Index size() const { return area.size(); }
-};
-
-/// Energies of one interface since the start, mJ; each accumulated from its own quantities.
-struct InterfaceEnergies {
-  double stored = 0;    ///< penalty and stick springs, a state function
-  double friction = 0;  ///< dissipated by slip
-  double damping = 0;   ///< dissipated by contact damping
-  double thinning = 0;  ///< put in by growing (> 0) or thinning (< 0) layers
-  double edge = 0;      ///< put in by the springs of nodes that pass the partner's edge, where the pair itself changes
-  double work = 0;      ///< done by the contact forces on both partners, trapezoid over their displacement increments
-
-  /// What the books do not explain; zero for a perfect balance.
-  double residual() const { return stored + friction + damping - thinning - edge + work; }
 };
 
 /// What a point sees in one step. The normal points from the node to its partner.

@@ -10,21 +10,24 @@ namespace interply::contact {
 Triangle2::Triangle2(double edge) {
   const double r = edge / std::sqrt(3.0);
   corners_ = {Vector2(r, 0), Vector2(-0.5 * r, 0.5 * edge), Vector2(-0.5 * r, -0.5 * edge)};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector2 along = corners_[(k + 1) % 3] - corners_[k];
+    sides_[k] = {corners_[k], along, Vector2(along.y(), -along.x()).normalized(), 1 / along.squaredNorm()};
+  }
 }
 
 double Triangle2::distance(const Vector2& p, Vector2& gradient) const {
   double nearest = std::numeric_limits<double>::infinity(), deepest = -nearest;
   Vector2 away = Vector2::Zero(), face_normal = Vector2::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const Vector2 a = corners_[k], side = corners_[(k + 1) % 3] - a;
-    const Vector2 normal = Vector2(side.y(), -side.x()).normalized();
-    const double height = normal.dot(p - a);
+  for (const Side& side : sides_) {
+    const Vector2 from = p - side.start;
+    const double height = side.normal.dot(from);
     if (height > deepest) {
       deepest = height;
-      face_normal = normal;
+      face_normal = side.normal;
     }
-    const double t = std::clamp(side.dot(p - a) / side.squaredNorm(), 0.0, 1.0);
-    const Vector2 d = p - a - t * side;
+    const double t = std::clamp(side.along.dot(from) * side.inverse_square, 0.0, 1.0);
+    const Vector2 d = from - t * side.along;
     if (d.squaredNorm() < nearest) {
       nearest = d.squaredNorm();
       away = d;

@@ -32,7 +32,12 @@ class Triangle2 {
   const std::array<Vector2, 3>& corners() const { return corners_; }
 
  private:
+  struct Side {
+    Vector2 start, along, normal;  ///< from its first corner to its second; unit, outward
+    double inverse_square;         ///< 1/|along|^2
+  };
   std::array<Vector2, 3> corners_;
+  std::array<Side, 3> sides_;
 };
 
 /// Punch: regular triangular pyramid (base edge, height) pointing down, apex of the inner sharp body at (0, 0, radius),

@@ -1,6 +1,10 @@
 #include "contact/tool_interface.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contact/rows.hpp"
 
 namespace interply::contact {
 
@@ -8,19 +12,79 @@ using mechanics::at;
 
 ToolInterface::ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool)
     : law_(law),
+      kernels_(choose_contact_kernels()),
       layer_(layer),
       tool_(tool),
       points_(mechanics::compute_tributary_areas(*layer.mesh)),
       slack_(Scalars::Zero(layer.mesh->n_nodes())),
       near_(layer.half_thickness.maxCoeff()),
-      force_on_layer_(NodalVectors::Zero(3, layer.mesh->n_nodes())),
-      old_force_on_layer_(force_on_layer_),
-      pull_on_layer_(force_on_layer_) {}
+      gap_(points_.gap),
+      gradient_(NodalVectors::Zero(3, layer.mesh->n_nodes())),
+      on_layer_(layer),
+      block_sums_(static_cast<std::size_t>(count_blocks(points_.size()))),
+      block_touches_(block_sums_.size()) {
+  gradient_.row(2) = 1;
+}
 
-void ToolInterface::update(double dt) {
-  old_force_on_layer_.swap(force_on_layer_);
-  force_on_layer_.setZero();
-  pull_on_layer_.setZero();
+/// Distances of those of the nodes [begin, end) that may be near. Returns whether one of them touches or did.
+bool ToolInterface::evaluate(Eigen::Index begin, Eigen::Index end) {
+  const double *x = &layer_.increment(0, 0), *y = &layer_.increment(1, 0), *z = &layer_.increment(2, 0);
+  for (Eigen::Index i = begin; i < end; ++i) {
+    const double by = z[i] - tool_.increment;
+    slack_(i) -= std::sqrt(x[i] * x[i] + y[i] * y[i] + by * by);
+  }
+  bool touches = false;  // nodes that touch have no slack
+  for (Eigen::Index i = begin; i < end; ++i) {
+    if (slack_(i) > 0) continue;
+    const Distance d = tool_.shape->evaluate(at(layer_.position, i) - Vector3(0, 0, tool_.z));
+    gap_(i) = d.value - layer_.half_thickness(i);
+    for (int k = 0; k < 3; ++k) gradient_(k, i) = d.gradient(k);
+    slack_(i) = gap_(i) - 0.5 * near_;  // thickness changes are far smaller than this margin
+    touches = touches || gap_(i) < 0 || points_.gap(i) < 0;
+  }
+  return touches;
+}
+
+void ToolInterface::update(double dt, const BlockRunner& run) {
+  const ToolRows rows{.law = law_,
+                      .dt = dt,
+                      .increment = tool_.increment,
+                      .layer = get_rows(layer_),
+                      .gradient = get_rows(std::as_const(gradient_)),
+                      .gap = gap_.data(),
+                      .points = get_rows(points_),
+                      .force = on_layer_.records()};
+  for_each_block(run, points_.size(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    const auto b = static_cast<std::size_t>(block);
+    block_touches_[b] = evaluate(begin, end);
+    if (block_touches_[b]) {
+      block_sums_[b] = kernels_.advance_tool(rows, begin, end);
+      return;
+    }
+    block_sums_[b] = {};
+    std::fill(rows.force + 2 * begin, rows.force + 2 * end, Quad{});
+    points_.gap.segment(begin, end - begin) = gap_.segment(begin, end - begin);
+    points_.height.segment(begin, end - begin) = layer_.half_thickness.segment(begin, end - begin);
+  });
+  old_tool_force_ = tool_.force;
+  tool_.force.setZero();
+  tool_.moment.setZero();
+  energies_.stored = 0;
+  for (const ToolSums& sums : block_sums_) {
+    energies_.add(sums.energies);
+    tool_.force -= Vector3(sums.force[0], sums.force[1], sums.force[2]);
+    tool_.moment -= Vector3(sums.moment[0], sums.moment[1], sums.moment[2]);
+  }
+  finish(std::find(block_touches_.begin(), block_touches_.end(), 1) != block_touches_.end());
+}
+
+void ToolInterface::finish(bool touches) {
+  energies_.work += touches ? on_layer_.finish() : on_layer_.finish_without_forces();
+  energies_.work += 0.5 * (old_tool_force_ + tool_.force).z() * tool_.increment;
+}
+
+void ToolInterface::update_plainly(double dt) {
+  on_layer_.clear_records();
   old_tool_force_ = tool_.force;
   tool_.force.setZero();
   tool_.moment.setZero();
@@ -28,14 +92,10 @@ void ToolInterface::update(double dt) {
   const Vector3 tool_increment(0, 0, tool_.increment);
   bool touches = false;
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
-    const Vector3 increment = at(layer_.increment, i) - tool_increment;
-    slack_(i) -= increment.norm();
-    if (slack_(i) > 0) continue;
     const Vector3 x = at(layer_.position, i), n = at(layer_.normal, i);
     const Distance d = tool_.shape->evaluate(x - Vector3(0, 0, tool_.z));
     const double height = layer_.half_thickness(i);
     if (dt == 0) points_.height(i) = height;
-    slack_(i) = d.value - height - 0.5 * near_;  // thickness changes are far smaller than this margin
     if (stays_open(points_, i, d.value - height, height, 1)) continue;
     const double side = d.gradient.dot(n) > 0 ? -height : height;  // of the layer's surface that faces the tool
     const PointMotion motion{.distance = d.value,
@@ -43,21 +103,17 @@ void ToolInterface::update(double dt) {
                              .weight = 1,
                              .normal = -d.gradient,
                              .stick = at(points_.stick, i),
-                             .slip = increment + side * at(layer_.turn, i),
+                             .slip = at(layer_.increment, i) - tool_increment + side * at(layer_.turn, i),
                              .dt = dt};
     const PointForce force = advance_point(law_, points_, i, motion, energies_);
-    const Vector3 push = force.pressing * d.gradient, total = force.drag + push;
-    for (int k = 0; k < 3; ++k) {
-      force_on_layer_(k, i) = total(k);
-      pull_on_layer_(k, i) = side * force.drag(k);
-    }
+    const Vector3 total = force.drag + force.pressing * d.gradient, pull = side * force.drag;
+    on_layer_.records()[2 * i] = {total.x(), total.y(), total.z(), 0};
+    on_layer_.records()[2 * i + 1] = {pull.x(), pull.y(), pull.z(), 0};
     tool_.force -= total;
-    tool_.moment -= x.cross(total) + side * n.cross(force.drag);
+    tool_.moment -= x.cross(total) + n.cross(pull);
     touches = true;
   }
-  if (touches) layer_.normals->add_forces_to(layer_.position, layer_.normal, pull_on_layer_, force_on_layer_);
-  energies_.work += 0.5 * ((old_force_on_layer_ + force_on_layer_) * layer_.increment).sum() +
-                    0.5 * (old_tool_force_ + tool_.force).z() * tool_.increment;
+  finish(touches);
 }
 
 void ToolInterface::add_rates_to(Scalars& rate) const {

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "contact/layer_interface.hpp"
 #include "contact/points.hpp"
@@ -27,8 +28,10 @@ class ToolInterface {
   ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool);
 
   /// Advances all points and the force on the tool. Nodes that cannot have come near since their distance was last
-  /// evaluated (a distance field is 1-Lipschitz) are skipped. @param dt  as in LayerInterface
-  void update(double dt);
+  /// evaluated (a distance field is 1-Lipschitz) are skipped. @param dt, run  as in LayerInterface
+  void update(double dt, const BlockRunner& run = run_serially);
+  /// The same point by point: what update() must agree with to round-off.
+  void update_plainly(double dt);
 
   /// Row sum of M^-1 K of each node that is near the tool. Adds to `rate`, 1/s2.
   void add_rates_to(Scalars& rate) const;
@@ -37,19 +40,25 @@ class ToolInterface {
 
   const Points& points() const { return points_; }
   const InterfaceEnergies& energies() const { return energies_; }
-  const NodalVectors& force_on_layer() const { return force_on_layer_; }  ///< [3 x n_nodes] N
+  const NodalVectors& force_on_layer() const { return on_layer_.force(); }  ///< [3 x n_nodes] N
 
  private:
   bool is_near(Eigen::Index i) const { return points_.gap(i) < near_; }
+  bool evaluate(Eigen::Index begin, Eigen::Index end);
+  void finish(bool touches);
 
   InterfaceLaw law_;
+  const ContactKernels& kernels_;
   const LayerGeometry& layer_;
   Tool& tool_;
   Points points_;
-  Scalars slack_;  ///< path length that the node may still move relative to the tool before it can touch [n] mm
-  double near_;    ///< gap below which a node counts for the stable increment, mm
-  NodalVectors force_on_layer_, old_force_on_layer_;
-  NodalVectors pull_on_layer_;  ///< as in LayerInterface [3 x n_nodes] mJ
+  Scalars slack_;          ///< path length that the node may still move relative to the tool before it can touch [n] mm
+  double near_;            ///< gap below which a node counts for the stable increment, mm
+  Scalars gap_;            ///< of the nodes that are near, else as in points_ [n] mm
+  NodalVectors gradient_;  ///< of the distance
+  FaceForces on_layer_;
+  std::vector<ToolSums> block_sums_;
+  std::vector<unsigned char> block_touches_;  ///< 0: nothing acts in the block
   Vector3 old_tool_force_ = Vector3::Zero();
   InterfaceEnergies energies_;
 };

@@ -1,5 +1,6 @@
 /// The lock-step link between a layer's process and the coordinator: one message per participant and direction per
-/// step. Implementations: in_process.hpp (queues in one process) and zeromq.hpp (ipc or tcp). Same calls, same bits.
+/// step. Implementations: in_process.hpp (queues in one process) and zeromq.hpp (shm, ipc or tcp). Same calls, same
+/// bits.
 #pragma once
 
 #include <cstdint>

@@ -105,12 +105,22 @@ Bytes Encoder::encode(const Join& join) {
   return finish();
 }
 
-Bytes Encoder::encode(const Welcome& welcome) {
+Bytes Encoder::encode(const Welcome& welcome, const MailboxOffer& mailbox) {
   auto& header = start();
   auto& to = *header.mutable_welcome();
   to.set_scene_text(welcome.scene_text);
   to.set_scene_digest(welcome.scene_digest);
   to.set_run(welcome.run);
+  if (mailbox.pid > 0) {
+    auto& offer = *to.mutable_mailbox();
+    offer.set_pid(mailbox.pid);
+    offer.set_memory(mailbox.memory);
+    offer.set_coordinator_bell(mailbox.coordinator_bell);
+    offer.set_solver_bell(mailbox.solver_bell);
+    offer.set_token(mailbox.token);
+    offer.set_offset(mailbox.offset);
+    offer.set_n_nodes(mailbox.n_nodes);
+  }
   write(header, 0);
   return finish();
 }
@@ -262,6 +272,17 @@ void Decoder::read(Welcome& welcome) const {
   welcome.scene_text = from.scene_text();
   welcome.scene_digest = from.scene_digest();
   welcome.run = from.run();
+}
+
+void Decoder::read(MailboxOffer& mailbox) const {
+  const auto& from = header_->welcome().mailbox();
+  mailbox = {.pid = from.pid(),
+             .memory = from.memory(),
+             .coordinator_bell = from.coordinator_bell(),
+             .solver_bell = from.solver_bell(),
+             .token = from.token(),
+             .offset = from.offset(),
+             .n_nodes = from.n_nodes()};
 }
 
 void Decoder::read(Refusal& refusal) const { refusal.sentence = header_->refusal().sentence(); }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "exchange/link.hpp"
+#include "exchange/mailbox.hpp"
 
 namespace interply::wire {
 class Header;
@@ -58,7 +59,7 @@ class Encoder {
   Encoder();
   /// The frame; valid until the next call.
   Bytes encode(const Join& join);
-  Bytes encode(const Welcome& welcome);
+  Bytes encode(const Welcome& welcome, const MailboxOffer& mailbox = {});
   Bytes encode(const Refusal& refusal);
   Bytes encode(const Motion& motion);
   Bytes encode(const Force& force);
@@ -93,6 +94,8 @@ class Decoder {
   /// @pre open() returned the kind that is read. Arrays are overwritten without allocation once sized.
   void read(Join& join) const;
   void read(Welcome& welcome) const;
+  /// Of a Welcome. `pid` 0: it has none.
+  void read(MailboxOffer& mailbox) const;
   void read(Refusal& refusal) const;
   void read(Motion& motion) const;
   void read(Force& force) const;

@@ -1,5 +1,12 @@
-/// The link between processes over ZeroMQ: `ipc://path` on one host, `tcp://host:port` between hosts. No zmq headers
-/// here.
+/// The link between processes. No zmq headers here. The address chooses the carrier of Motion and Force:
+///
+///     shm://path        shared memory (mailbox.hpp): processes of one user on one host; the fastest
+///     ipc://path        messages over a Unix socket: one host
+///     tcp://host:port   messages over TCP: any hosts
+///
+/// Everything else travels as messages over ZeroMQ, `shm` having the socket of `ipc` at the same path: a solver that
+/// says `ipc`, or cannot reach the memory (another user, another container), takes part with messages among others that
+/// share memory. Same bits on every way.
 ///
 /// A solver is a DEALER, the coordinator a ROUTER; a message is one frame (wire.hpp). Each connection has an identity
 /// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often

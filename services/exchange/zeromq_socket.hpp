@@ -1,6 +1,7 @@
 /// One ZeroMQ socket and the news of its connections. Internal to exchange; zmq headers stay in zeromq_socket.cpp.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,9 @@
 #include "exchange/wire.hpp"
 
 namespace interply::exchange {
+
+/// `shm://path`: messages travel as over `ipc://path`, arrays by mailbox.
+bool is_shared_memory(const std::string& address);
 
 /// Used by one thread. What was sent before the end still leaves within a second.
 class ZeromqSocket {
@@ -52,8 +56,9 @@ class ZeromqSocket {
   /// All that was received by a connection is here before its end is told.
   std::optional<News> next_news();
 
-  /// Sleeps until a message, news or a readable `descriptor` are there, at most until the deadline.
-  void wait(const Deadline& until, int descriptor = -1);
+  /// Sleeps until a message, news or a readable descriptor are there, at most until the deadline.
+  /// @pre receive() and next_news() had nothing: what they leave behind does not wake   @pre at most two descriptors
+  void wait(const Deadline& until, std::initializer_list<int> descriptors = {});
 
  private:
   struct Parts;

@@ -9,6 +9,8 @@
 #include <sstream>
 
 #include "exchange/link.hpp"
+#include "launch/bench_command.hpp"
+#include "launch/bench_tools.hpp"
 #include "launch/check.hpp"
 #include "launch/point.hpp"
 #include "launch/run.hpp"
@@ -55,12 +57,15 @@ int refuse(const std::string& sentence) {
   return kRefused;
 }
 
-/// A word that names no command, or nothing.
+/// A word that names no command, or nothing; then of the command's own commands, if it has some.
 std::string find_unknown_command(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return "";
   std::vector<std::string> names;
-  for (const auto* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return "";
+  for (const auto* command : app.get_subcommands(nullptr)) {
+    names.push_back(command->get_name());
+    if (names.back() == argv[1]) return find_unknown_command(*command, argc - 1, argv + 1);
+  }
+  if (names.empty()) return "";
   return "there is no command \"" + std::string(argv[1]) + "\"; did you mean \"" + find_nearest_name(argv[1], names) +
          "\"?";
 }
@@ -106,7 +111,8 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
   run->add_flag("--overwrite", options.overwrite, "replace a record that is already there");
   run->add_flag("--in-process", options.in_process, "all participants in this process: the same bits, for debugging");
   run->add_option("--address", options.address,
-                  "where the coordinator listens: ipc, or tcp://127.0.0.1:0 for any free port (default: the scene's)")
+                  "how processes exchange, and where: shm (shared memory), ipc (messages on this host), or "
+                  "tcp://127.0.0.1:0 for any free port (default: the scene's, shm: the fastest)")
       ->type_name("ADDRESS");
   run->add_flag("--no-record", options.no_record, "compute, but keep only the summary");
   run->add_flag("--quiet", options.quiet, "print the digest and errors only");
@@ -155,10 +161,15 @@ int run_command_line(int argc, char** argv) {
   RunOptions run_options;
   CheckOptions check_options;
   PointOptions point_options;
+  BenchOptions bench_options;
   const auto* run = add_run(app, run_options);
   const auto* check = add_check(app, check_options);
   add_point(app, point_options);
-  for (auto* command : app.get_subcommands(nullptr)) command->allow_extras();
+  const auto* bench = add_bench(app, bench_options);
+  for (auto* command : app.get_subcommands(nullptr)) {
+    command->allow_extras();
+    for (auto* part : command->get_subcommands(nullptr)) part->allow_extras();
+  }
 
   if (const auto problem = find_unknown_command(app, argc, argv); !problem.empty()) return refuse(problem);
   try {
@@ -169,14 +180,19 @@ int run_command_line(int argc, char** argv) {
   }
   const auto* command = app.get_subcommands().front();
   if (const auto problem = find_unknown_word(*command); !problem.empty()) return refuse(problem);
+  for (const auto* part : command->get_subcommands())
+    if (const auto problem = find_unknown_word(*part); !problem.empty()) return refuse(problem);
   try {
     if (command == run) return run_command(run_options);
     if (command == check) return check_command(check_options, std::cout);
+    if (command == bench) return bench_command(*bench, bench_options, std::cout);
     return point_command(point_options);
   } catch (const scene::SceneError& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return kRefused;
   } catch (const OutputExists& e) {
+    return refuse(e.what());
+  } catch (const BadArgument& e) {
     return refuse(e.what());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "interply: %s\n", e.what());

@@ -10,7 +10,7 @@ namespace interply::launch {
 /// there are none.
 std::string find_nearest_name(const std::string& word, const std::vector<std::string>& candidates);
 
-/// Parses and runs `interply run | check | point`. Returns the exit code; never throws.
+/// Parses and runs `interply run | check | point | bench`. Returns the exit code; never throws.
 int run_command_line(int argc, char** argv);
 
 }  // namespace interply::launch

@@ -57,7 +57,9 @@ RunResult Federation::supervise() {
     wait_for_events();
     stop_late();
   }
-  return cause_ ? *cause_ : result_;
+  RunResult result = cause_ ? *cause_ : result_;
+  for (const auto& p : processes_) result.cpu.push_back({p.child->name(), p.child->cpu_seconds()});
+  return result;
 }
 
 void Federation::start(const Participant& participant) {

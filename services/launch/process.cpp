@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -108,7 +109,10 @@ void Child::keep_line(const std::string& line) {
 }
 
 bool Child::reap() {
-  if (!running_ || waitpid(pid_, &status_, WNOHANG) != pid_) return false;
+  rusage used{};
+  if (!running_ || wait4(pid_, &status_, WNOHANG, &used) != pid_) return false;
+  for (const timeval& t : {used.ru_utime, used.ru_stime})
+    cpu_seconds_ += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   running_ = false;
   return true;
 }

@@ -38,8 +38,9 @@ class Child {
   bool reap();
   void send_signal(int signal);
 
-  bool was_killed() const;           ///< @pre not running: ended by a signal
-  int exit_code() const;             ///< @pre not running: 128 + signal if killed
+  bool was_killed() const;                             ///< @pre not running: ended by a signal
+  int exit_code() const;                               ///< @pre not running: 128 + signal if killed
+  double cpu_seconds() const { return cpu_seconds_; }  ///< @pre not running: that it has used
   std::string describe_end() const;  ///< @pre not running: "was killed by signal 9 (Killed)", "left with exit code 1"
   const std::deque<std::string>& last_lines() const { return last_lines_; }  ///< of its log, at most five
 
@@ -50,6 +51,7 @@ class Child {
   pid_t pid_ = -1;
   int output_ = -1;
   int status_ = 0;
+  double cpu_seconds_ = 0;
   bool running_ = false;
   std::string partial_;
   std::ofstream log_;

@@ -31,12 +31,19 @@ class OutputExists : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// CPU time of one participant, s.
+struct CpuTime {
+  std::string name;  ///< "coordinator", "recorder" or the layer's name
+  double seconds = 0;
+};
+
 /// How a run ended, whoever computed it.
 struct RunResult {
   int exit_code = kDone;
-  std::string message;  ///< why, if not done
-  std::string summary;  ///< one screen
-  std::string digest;   ///< of the final state of all layers; empty unless done
+  std::string message;       ///< why, if not done
+  std::string summary;       ///< one screen
+  std::string digest;        ///< of the final state of all layers; empty unless done
+  std::vector<CpuTime> cpu;  ///< of each process; empty if there was only one
 };
 
 /// Where one run puts its files.

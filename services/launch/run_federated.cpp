@@ -24,7 +24,8 @@ class SocketFolder {
   }
   SocketFolder(const SocketFolder&) = delete;
   SocketFolder& operator=(const SocketFolder&) = delete;
-  std::string address() const { return "ipc://" + (path_ / "link").string(); }
+  /// @param carrier  shm or ipc
+  std::string address(const std::string& carrier) const { return carrier + "://" + (path_ / "link").string(); }
 
  private:
   fs::path path_;
@@ -59,10 +60,11 @@ std::vector<Participant> list_others(const scene::Scene& scene, const fs::path& 
 RunResult run_federated(const scene::Scene& scene, const RunFolder& folder, const std::string& run_name,
                         const std::string& address, Terminal& terminal) {
   const SocketFolder socket;
+  const bool is_private = address == "shm" || address == "ipc";
   FederationPlan plan;
   plan.coordinator = {"coordinator",
                       {find_program_folder() / "interply-coordinator", "--bind",
-                       address == "ipc" ? socket.address() : address, "--scene", folder.scene(), "--run", run_name}};
+                       is_private ? socket.address(address) : address, "--scene", folder.scene(), "--run", run_name}};
   plan.others = [&](const std::string& bound) { return list_others(scene, folder.out, run_name, bound); };
   plan.logs = folder.logs();
   plan.startup_deadline = scene.exchange.startup_deadline;

@@ -50,14 +50,18 @@ CurvatureOperator compute_curvature_operator(const ShellGeometry& s, Eigen::Inde
 }  // namespace
 
 EdgeMotion::EdgeMotion(const ShellGeometry& shell, const Plate& plate)
-    : inertia_(Scalars::Zero(shell.n_edges())),
+    : first_(shell.edge_sides.row(0)),
+      second_(shell.edge_sides.row(1)),
+      inertia_(Scalars::Zero(shell.n_edges())),
       mobility_(inertia_),
       decay_(inertia_),
       angle_(inertia_),
       rate_(inertia_),
       torque_(inertia_),
       friction_(inertia_),
-      kinetic_(inertia_) {
+      kernels_(choose_shell_pass_kernels()) {
+  for (int& side : second_)
+    if (side < 0) side = static_cast<int>(3 * shell.n_elements());
   Scalars stiffness = Scalars::Zero(shell.n_edges());
   for (Eigen::Index e = 0; e < shell.n_elements(); ++e)
     for (int k = 0; k < 3; ++k) {
@@ -74,29 +78,23 @@ EdgeMotion::EdgeMotion(const ShellGeometry& shell, const Plate& plate)
   }
 }
 
-void EdgeMotion::advance(double dt, Eigen::Index begin, Eigen::Index end) {
-  if (dt == 0) return;
-  const double span = 0.5 * (last_dt_ + dt);
-  for (Eigen::Index i = begin; i < end; ++i) {
-    const double half_decay = 0.5 * span * decay_(i);
-    rate_(i) = ((1 - half_decay) * rate_(i) + span * mobility_(i) * torque_(i)) / (1 + half_decay);
-    angle_(i) += dt * rate_(i);
-  }
+EdgeRows EdgeMotion::rows() {
+  return {first_.data(), second_.data(), inertia_.data(), mobility_.data(), decay_.data(),
+          angle_.data(), rate_.data(),   torque_.data(),  friction_.data()};
 }
 
-double EdgeMotion::update_torques(const ShellGeometry& shell, const ShellPasses& passes, double dt, Eigen::Index begin,
-                                  Eigen::Index end) {
-  double left = 0;
-  for (Eigen::Index i = begin; i < end; ++i) {
-    torque_(i) = compute_edge_torque(shell, passes, i);
-    const double half_decay = 0.5 * dt * decay_(i);
-    const double next = ((1 - half_decay) * rate_(i) + dt * mobility_(i) * torque_(i)) / (1 + half_decay);
-    const double friction = inertia_(i) * decay_(i) * 0.5 * (rate_(i) + next);
-    const double kinetic = 0.5 * inertia_(i) * rate_(i) * next;
-    left += kinetic - kinetic_(i) + 0.5 * (friction_(i) + friction) * dt * rate_(i);
-    friction_(i) = friction;
-    kinetic_(i) = kinetic;
-  }
+void EdgeMotion::advance(double dt, Eigen::Index begin, Eigen::Index end) {
+  if (dt != 0) kernels_.advance_edges(rows(), 0.5 * (last_dt_ + dt), dt, begin, end);
+}
+
+EdgeEnergies EdgeMotion::update_torques(const ShellPasses& passes, double dt, Eigen::Index begin, Eigen::Index end) {
+  return kernels_.update_torques(rows(), passes.slope_moment.data(), dt, begin, end);
+}
+
+double EdgeMotion::finish(double dt, const EdgeEnergies& all) {
+  const double left = all.kinetic - kinetic_ + all.friction;
+  kinetic_ = all.kinetic;
+  last_dt_ = dt;
   return left;
 }
 

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "mechanics/edge_shell.hpp"
+#include "mechanics/shell_passes.hpp"
 
 namespace interply::mechanics {
 
@@ -37,23 +38,26 @@ class EdgeMotion {
   /// phi(n - 1) -> phi(n): kick with the last torques over (dt_old + dt)/2, drift over `dt`, for the edges [begin,
   /// end). dt = 0: nothing moves.
   void advance(double dt, Eigen::Index begin, Eigen::Index end);
-  /// Torques at n from the passes of n; returns the energy that left the shell towards the edges since the last
-  /// torques, to be booked with its internal energy: the change of 1/2 J phi'(n - 1/2) phi'(n + 1/2), which balances
-  /// to round-off at constant dt, and the work of the damping; mJ.
-  double update_torques(const ShellGeometry& shell, const ShellPasses& passes, double dt, Eigen::Index begin,
-                        Eigen::Index end);
-  /// The increment of the last advance(), once all edges are through.
-  void finish(double dt) { last_dt_ = dt; }
+  /// Torques at n from the passes of n, for the edges [begin, end).
+  EdgeEnergies update_torques(const ShellPasses& passes, double dt, Eigen::Index begin, Eigen::Index end);
+  /// Once all edges are through: the energy that left the shell towards them since the last torques, to be booked with
+  /// its internal energy, mJ: the change of their kinetic energy, which balances to round-off at constant dt, and the
+  /// work of the damping.
+  double finish(double dt, const EdgeEnergies& all);
 
  private:
-  Scalars inertia_;   ///< t mm2
-  Scalars mobility_;  ///< 1/J, 0 where the edge is mirrored
-  Scalars decay_;     ///< damping torque / (J phi'), 1/s
+  EdgeRows rows();
+
+  Eigen::ArrayXi first_, second_;  ///< sides of each edge; second 3 n_el: none
+  Scalars inertia_;                ///< t mm2
+  Scalars mobility_;               ///< 1/J, 0 where the edge is mirrored
+  Scalars decay_;                  ///< damping torque / (J phi'), 1/s
   Scalars angle_, rate_;
-  Scalars torque_;    ///< -dW/dphi, N mm
-  Scalars friction_;  ///< damping torque, N mm
-  Scalars kinetic_;   ///< mJ
+  Scalars torque_;      ///< -dW/dphi, N mm
+  Scalars friction_;    ///< damping torque, N mm
+  double kinetic_ = 0;  ///< mJ
   double last_dt_ = 0;
+  const ShellPassKernels& kernels_;
 };
 
 /// Per element of the flat shell, lambda_max(D B M^-1 B') A: the largest squared frequency of its bending alone, 1/s2,

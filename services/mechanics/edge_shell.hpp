@@ -29,8 +29,10 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "mechanics/mesh.hpp"
+#include "mechanics/shell_rows.hpp"
 
 namespace interply::mechanics {
 
@@ -41,7 +43,15 @@ struct ShellGeometry {
   Eigen::Array<double, 6, Eigen::Dynamic, Eigen::RowMajor> gradient;
   Scalars area;         ///< A, reference                                                           [n_el] mm2
   Triangles neighbour;  ///< element across edge k; itself where mirrored, -1 where free            [3 x n_el]
-  Triangles edge;       ///< number of edge k                                                       [3 x n_el]
+  /// The same for ShellPasses::t3: facet across, an image n_el + i where mirrored, itself where free. [3 x n_el]
+  Triangles across;
+  Triangles opposite;  ///< find_opposite(); the own side where free                                [3 x n_el]
+  /// 1, or 0 at a free edge. [3 x n_el]
+  Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> hinged;
+  std::vector<int> images;  ///< sides with a mirror image, in the order of the images
+  /// Normal of the mirror plane of each image, x and y. [2 x images]
+  Eigen::Array<double, 2, Eigen::Dynamic, Eigen::RowMajor> image_plane;
+  Triangles edge;  ///< number of edge k                                                       [3 x n_el]
   /// s of (B2): 1, -1, or 0 where mirrored. [3 x n_el]
   Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> side;
   /// Sides k * n_el + e of the first and second element of an edge; -1: no second. [2 x n_edges]
@@ -96,9 +106,12 @@ inline SurfaceGradient compute_surface_gradient(const ShellGeometry& s, const No
 struct ShellPasses {
   explicit ShellPasses(const ShellGeometry& shell);
 
-  NodalVectors f1, f2, t3;  ///< 1: SurfaceGradient                                    [3 x n_el]
-  Scalars area_ratio;       ///< 1                                                     [n_el]
-  /// 2: P_k of (B4). [3 n_el, side k of element e at k * n_el + e] N mm
+  NodalVectors f1, f2;  ///< 1: SurfaceGradient                                            [3 x n_el]
+  NodalVectors t3;      ///< 1, and behind the elements the mirror images of facets     [3 x n_el + images]
+  Scalars area_ratio;   ///< 1                                                             [n_el]
+  /// A n_ab = A (n11, n22, n12), membrane forces per reference width as work conjugate to E_ab. [3 x n_el] N mm
+  NodalVectors membrane;
+  /// 2: P_k of (B4). [3 n_el + 1, side k of element e at k * n_el + e; the last stays 0] N mm
   Scalars slope_moment;
   /// 2: 1/2 cos(theta/2) of (B5), 0 at a free edge. [3 n_el]
   Scalars hinge_factor;

@@ -258,10 +258,11 @@ bool is_host_and_port(const std::string& text) {
 
 void check_addresses(const Scene& scene, Report& report) {
   const std::string& address = scene.exchange.address;
-  const bool ipc = address == "ipc" || (address.starts_with("ipc://") && address.size() > 6);
-  const bool tcp = address.starts_with("tcp://") && is_host_and_port(address.substr(6));
-  if (!ipc && !tcp && !report.is_broken("exchange.address"))
-    report.add("exchange.address", "'" + address + "' is not ipc, ipc://path or tcp://host:port");
+  const bool is_private = address == "shm" || address == "ipc";
+  const bool is_path = (address.starts_with("shm://") || address.starts_with("ipc://")) && address.size() > 6;
+  const bool is_tcp = address.starts_with("tcp://") && is_host_and_port(address.substr(6));
+  if (!is_private && !is_path && !is_tcp && !report.is_broken("exchange.address"))
+    report.add("exchange.address", "'" + address + "' is not shm, ipc, shm://path, ipc://path or tcp://host:port");
   if (scene.observe.network.empty() && !report.is_broken("observe.network"))
     report.add("observe.network", "is empty; give the address of a network interface, such as 127.0.0.1");
 }

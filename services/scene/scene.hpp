@@ -188,7 +188,7 @@ struct Time {
 };
 
 struct Exchange {
-  std::string address = "ipc";   ///< "ipc" (a private path) or "tcp://host:port"
+  std::string address = "shm";   ///< exchange/zeromq.hpp; "shm" or "ipc" alone: at a private path
   double startup_deadline = 60;  ///< s
   double wait_deadline = 60;     ///< s without a message before a participant counts as lost
 };

@@ -59,7 +59,8 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
                name_of(kind) + " --connect tcp://10.0.0.2:7100 --layer ply_2"};
   std::string address, layer, scene_file;
   double deadline = 60;
-  app.add_option("--connect", address, "address of the coordinator, ipc://PATH or tcp://HOST:PORT")->required();
+  app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
+      ->required();
   app.add_option("--layer", layer, "name of the layer in the scene")->required();
   app.add_option("--scene", scene_file,
                  "scene file that must equal the coordinator's (default: take the coordinator's)");

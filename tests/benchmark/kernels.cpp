@@ -3,65 +3,33 @@
 ///     build/release/bin/interply-benchmarks --benchmark_filter='layer|contact|tool'
 #include <benchmark/benchmark.h>
 
-#include <cmath>
-
 #include "contact/layer_interface.hpp"
+#include "contact/tool_interface.hpp"
 #include "contact/triangle_tool.hpp"
 #include "geometry/stl.hpp"
-#include "solver_fabric/fabric_layer.hpp"
-#include "solver_metal/metal_layer.hpp"
+#include "layers.hpp"
 #include "support/tool_surfaces.hpp"
 #include "support/vumat_laws.hpp"
 
 namespace {
 
 using namespace interply;
+using benchmarks::deform;
+using benchmarks::make_blank;
+using benchmarks::run_layer;
 using mechanics::NodalVectors;
 
-mechanics::TriangleMesh make_blank(double z = 0) {
-  return mechanics::make_rectangle({-140, 140}, {0, 140}, 4, z, true);
-}
-
-/// The blank bulged to a dome of height `h` and stretched by `strain` along x and -strain/2 along y.
-NodalVectors deform(const mechanics::TriangleMesh& mesh, double h, double strain) {
-  NodalVectors x = mesh.reference;
-  x.row(2) += h * (mesh.reference.row(0) * (M_PI / 280)).cos() * (mesh.reference.row(1) * (M_PI / 280)).cos();
-  x.row(0) *= 1 + strain;
-  x.row(1) *= 1 - 0.5 * strain;
-  return x;
-}
-
-/// Internal forces of a layer that swings between two shapes.
-void run_layer(benchmark::State& state, solve::LayerMechanics& layer, const mechanics::TriangleMesh& mesh,
-               const NodalVectors& one, const NodalVectors& other, const solve::Instant& now = {}) {
-  NodalVectors force(3, mesh.n_nodes());
-  std::int64_t n = 0;
-  for (int i = 0; i < 20; ++i) layer.compute_internal_forces(i % 2 ? one : other, now, force);
-  mechanics::Digest digest;
-  digest.add(force);
-  for (auto _ : state) layer.compute_internal_forces(n++ % 2 ? one : other, now, force);
-  state.SetItemsProcessed(n * mesh.n_elements());
-  state.SetLabel("digest " + mechanics::to_hex(digest.value()));
-}
-
 void fabric_layer(benchmark::State& state) {
-  scene::Layer layer;
-  layer.name = "ply";
-  layer.thickness = 1.2;
-  layer.density = 6.19e-10;
-  layer.law = scene::WovenLaw{};
+  const scene::Layer layer = benchmarks::make_ply();
   const auto mesh = make_blank();
   fabric::FabricLayer ply(layer, 1, mesh);
-  run_layer(state, ply, mesh, deform(mesh, 20, 0.002), deform(mesh, 20, 0.004));
+  run_layer(state, ply, mesh, deform(mesh, 20, 0.002), deform(mesh, 20, 0.004), {}, benchmarks::kFabricWork);
 }
 BENCHMARK(fabric_layer);
 
 /// The same law in Fortran.
 void fabric_layer_vumat(benchmark::State& state) {
-  scene::Layer layer;
-  layer.name = "ply";
-  layer.thickness = 1.2;
-  layer.density = 6.19e-10;
+  scene::Layer layer = benchmarks::make_ply();
   layer.law = test::make_woven_vumat({});
   const auto mesh = make_blank();
   fabric::FabricLayer ply(layer, 1, mesh);
@@ -70,12 +38,11 @@ void fabric_layer_vumat(benchmark::State& state) {
 BENCHMARK(fabric_layer_vumat);
 
 void metal_layer(benchmark::State& state, double swing) {
-  scene::Layer layer;
-  layer.name = "sheet";
-  layer.law = scene::J2Law{};
+  const scene::Layer layer = benchmarks::make_sheet();
   const auto mesh = make_blank();
   metal::MetalLayer sheet(layer, 7.85e-9, mesh);
-  run_layer(state, sheet, mesh, deform(mesh, 0.1, swing), deform(mesh, 0.1, -swing));
+  run_layer(state, sheet, mesh, deform(mesh, 0.1, swing), deform(mesh, 0.1, -swing), {},
+            swing < 1e-4 ? benchmarks::kElasticWork : benchmarks::kPlasticWork);
 }
 BENCHMARK_CAPTURE(metal_layer, elastic, 1e-5);
 BENCHMARK_CAPTURE(metal_layer, plastic, 2e-3);
@@ -85,7 +52,7 @@ void contact_interface(benchmark::State& state) {
     mechanics::TriangleMesh mesh;
     contact::VertexNormals normals;
     contact::LayerGeometry geometry;
-    explicit Layer(double z) : mesh(make_blank(z)), normals(mesh) {
+    explicit Layer(double z) : mesh(make_blank(4, z)), normals(mesh) {
       geometry = contact::LayerGeometry::at_rest(mesh, normals, 1, 1e-9);
       geometry.move_to(deform(mesh, 20, 0));
     }
@@ -112,6 +79,31 @@ void contact_interface(benchmark::State& state) {
   state.SetLabel("digest " + mechanics::to_hex(digest.value()));
 }
 BENCHMARK(contact_interface);
+
+/// A flat blank that slides on a die: most of its nodes touch all the time, as those of the flange do.
+void contact_tool(benchmark::State& state) {
+  const auto mesh = make_blank(0.49);
+  contact::VertexNormals normals(mesh);
+  auto layer = contact::LayerGeometry::at_rest(mesh, normals, 1, 1e-9);
+  contact::Tool die{.name = "die", .shape = std::make_unique<contact::OpeningPlate>(100, 22, 10, true)};
+  contact::ToolInterface interface({.stiffness = 500, .tangential = 500, .damping = 1e-5, .friction = 0.25}, layer,
+                                   die);
+  interface.update(0);
+  mechanics::Digest digest;
+  digest.add(interface.force_on_layer());
+  std::int64_t n = 0;
+  double direction = 0.01;
+  for (auto _ : state) {
+    if (n % 100 == 50) direction = -direction;
+    layer.increment.row(0) = direction;
+    layer.position.row(0) += direction;
+    interface.update(1e-6);
+    ++n;
+  }
+  state.SetItemsProcessed(n * mesh.n_nodes());
+  state.SetLabel("digest " + mechanics::to_hex(digest.value()));
+}
+BENCHMARK(contact_tool);
 
 /// Distances of a tool at the nodes of the domed blank: what a step pays where nothing may be skipped.
 void run_tool(benchmark::State& state, const contact::SignedDistance& tool) {

@@ -32,7 +32,8 @@ class CarrierTest : public testing::TestWithParam<Carrier> {
   Table make_table(std::vector<Expected> expected) { return Table(GetParam(), std::move(expected)); }
 };
 
-INSTANTIATE_TEST_SUITE_P(Carriers, CarrierTest, testing::Values(Carrier::InProcess, Carrier::Ipc, Carrier::Tcp),
+INSTANTIATE_TEST_SUITE_P(Carriers, CarrierTest,
+                         testing::Values(Carrier::InProcess, Carrier::SharedMemory, Carrier::Ipc, Carrier::Tcp),
                          [](const auto& info) { return to_string(info.param); });
 
 TEST_P(CarrierTest, JoinIsAcceptedAndSeatedByName) {

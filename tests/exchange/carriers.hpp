@@ -26,10 +26,11 @@ inline constexpr std::uint64_t kDigest = 0x0123456789abcdef;
 inline const Welcome kWelcome{.scene_text = "blank: ...", .scene_digest = kDigest, .run = "run 7"};
 inline constexpr double kPatience = 20;  ///< s; nothing in a test that passes waits this long
 
-enum class Carrier { InProcess, Ipc, Tcp };
+enum class Carrier { InProcess, SharedMemory, Ipc, Tcp };
 
 inline std::string to_string(Carrier carrier) {
-  return carrier == Carrier::InProcess ? "InProcess" : carrier == Carrier::Ipc ? "Ipc" : "Tcp";
+  static const char* const kNames[] = {"InProcess", "SharedMemory", "Ipc", "Tcp"};
+  return kNames[static_cast<int>(carrier)];
 }
 
 /// Address that nobody else uses; tcp takes any free port.
@@ -37,7 +38,8 @@ inline std::string make_address(Carrier carrier) {
   static std::atomic<int> count{0};
   if (carrier == Carrier::Tcp) return "tcp://127.0.0.1:*";
   const auto name = "interply-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++);
-  return "ipc://" + (std::filesystem::temp_directory_path() / name).string();
+  return (carrier == Carrier::SharedMemory ? "shm://" : "ipc://") +
+         (std::filesystem::temp_directory_path() / name).string();
 }
 
 /// A coordinator's link that can be ended, and links of solvers to it.

@@ -79,7 +79,7 @@ TEST(DeathOfTheLauncher, TakesEveryoneAlong) {
   ASSERT_EQ(participants.size(), 7u);
   program.send_signal(SIGKILL);
   EXPECT_EQ(program.wait(), 128 + SIGKILL);
-  const auto socket = program.said().find("ipc://") + 6;  // the one thing that a killed launcher cannot remove
+  const auto socket = program.said().find("shm://") + 6;  // the one thing that a killed launcher cannot remove
   fs::remove_all(fs::path(program.said().substr(socket, program.said().find('\n', socket) - socket)).parent_path());
   const auto start = std::chrono::steady_clock::now();
   const auto anyone = [&] {

@@ -37,13 +37,14 @@ TEST_F(FederatedRun, AgreesBitForBitWithInProcessOnEveryCarrierAndForAnyNumberOf
   const std::vector<std::string> two_threads{"--set", "layers.ply_1.threads=2",      "--set", "layers.ply_2.threads=2",
                                              "--set", "layers.sheet_upper.threads=2"};
   const auto reference = digest_of("in_process", with({"--in-process"}));
-  EXPECT_EQ(digest_of("ipc", with({})), reference);
+  EXPECT_EQ(digest_of("shm", with({})), reference);
+  EXPECT_EQ(digest_of("ipc", with({"--address", "ipc"})), reference);
   EXPECT_EQ(digest_of("tcp", with({"--address", "tcp://127.0.0.1:0"})), reference);
   EXPECT_EQ(digest_of("threads", with(two_threads)), reference);
   EXPECT_EQ(digest_of("no_record", with({"--no-record"})), reference);
   EXPECT_FALSE(fs::exists(folder_.path() / "no_record/record.h5"));
 
-  const record::RecordReader federated(folder_.path() / "ipc/record.h5");
+  const record::RecordReader federated(folder_.path() / "shm/record.h5");
   const record::RecordReader in_process(folder_.path() / "in_process/record.h5");
   EXPECT_EQ(federated.read_text("status"), "done");
   EXPECT_EQ("digest " + federated.read_text("digest"), reference);

@@ -39,12 +39,12 @@ class OwnBlank : public testing::Test {
 TEST_F(OwnBlank, FederatedAndInOneProcessAreTheSameBits) {
   const fs::path scene = folder_.path() / "own_blank.yaml";
   const auto reference = digest_of(scene, "in_process", {"--in-process"});
-  EXPECT_EQ(digest_of(scene, "ipc"), reference);
+  EXPECT_EQ(digest_of(scene, "shm"), reference);
   EXPECT_EQ(digest_of(scene, "tcp", {"--address", "tcp://127.0.0.1:0", "--set", "layers.ply_1.threads=2"}), reference);
   // the resolved scene names its files by absolute path and digest, and runs again
-  const auto resolved = read_text(folder_.path() / "ipc/scene.yaml");
+  const auto resolved = read_text(folder_.path() / "shm/scene.yaml");
   EXPECT_THAT(resolved, HasSubstr((folder_.path() / "meshes/octagon_ply.inp").string()));
-  EXPECT_EQ(digest_of(folder_.path() / "ipc/scene.yaml", "again"), reference);
+  EXPECT_EQ(digest_of(folder_.path() / "shm/scene.yaml", "again"), reference);
 }
 
 TEST_F(OwnBlank, AResolvedSceneDoesNotRunOnAChangedFile) {

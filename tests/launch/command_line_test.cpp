@@ -35,12 +35,12 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
   const auto said = say({"--help"});
   EXPECT_EQ(said.exit_code, kDone);
   for (const auto* words :
-       {"run", "check", "point", "3  the mechanics diverged", "4  a process was lost", "5  cancelled"})
+       {"run", "check", "point", "bench", "3  the mechanics diverged", "4  a process was lost", "5  cancelled"})
     EXPECT_THAT(said.out, HasSubstr(words));
 }
 
 TEST(CommandLine, HelpOfEachCommandShowsAnExample) {
-  for (const std::string command : {"run", "check", "point"}) {
+  for (const std::string command : {"run", "check", "point", "bench"}) {
     const auto said = say({command, "--help"});
     EXPECT_EQ(said.exit_code, kDone);
     EXPECT_THAT(said.out, HasSubstr("example:\n  interply " + command));

@@ -131,9 +131,8 @@ struct RelaxingSheet {
   void step(double dt) {
     const Eigen::Index n = sheet.shell.n_edges();
     edges.advance(dt, 0, n);
-    edges.finish(dt);
     sheet.evaluate(x, edges.angle());
-    left += edges.update_torques(sheet.shell, sheet.passes, dt, 0, n);
+    left += edges.finish(dt, edges.update_torques(sheet.passes, dt, 0, n));
   }
 };
 

@@ -23,7 +23,7 @@ TEST(SceneErrors, ValueOutOfRangeSaysTheRange) {
   EXPECT_EQ(refuse_value("layers.sheet.density=7850"), "layers[0].density: 7850 is not in (0, 1e-06] t/mm3");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.poisson=0.5"), "layers[0].law.j2.poisson: 0.5 is not in (-1, 0.5)");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.young=0"), "layers[0].law.j2.young: 0 is not in (0, inf) MPa");
-  EXPECT_EQ(refuse_value("layers.sheet.integration_points=10"), "layers[0].integration_points: 10 is not in [1, 9]");
+  EXPECT_EQ(refuse_value("layers.sheet.integration_points=16"), "layers[0].integration_points: 16 is not in [1, 15]");
   EXPECT_EQ(refuse_value("time.safety=1"), "time.safety: 1 is not in (0, 1)");
   EXPECT_EQ(refuse_value("time.mass_scaling=0.5"), "time.mass_scaling: 0.5 is not in [1, inf)");
   EXPECT_EQ(refuse_value("friction.tool_steel=-0.1"), "friction.tool_steel: -0.1 is not in [0, inf)");
@@ -196,17 +196,19 @@ TEST(SceneErrors, FrictionPairsAreNeighbours) {
 }
 
 TEST(SceneErrors, AddressIsOneThatTheExchangeKnows) {
-  for (const char* good : {"ipc", "ipc:///tmp/x", "tcp://127.0.0.1:5555", "tcp://[::1]:65535"})
+  for (const char* good : {"shm", "ipc", "shm:///tmp/x", "ipc:///tmp/x", "tcp://127.0.0.1:5555", "tcp://[::1]:65535"})
     EXPECT_EQ(refuse_value(std::string("exchange.address=\"") + good + "\""), "");
   for (const std::string bad :
-       {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "ipc://", "tcp://a:5x"})
-    EXPECT_EQ(refuse(kSmallScene + "exchange: {address: \"" + bad + "\"}\n"),
-              "scene.yaml:15: exchange.address: '" + bad + "' is not ipc, ipc://path or tcp://host:port");
+       {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "shm://", "ipc://", "tcp://a:5x"})
+    EXPECT_EQ(
+        refuse(kSmallScene + "exchange: {address: \"" + bad + "\"}\n"),
+        "scene.yaml:15: exchange.address: '" + bad + "' is not shm, ipc, shm://path, ipc://path or tcp://host:port");
 }
 
 TEST(SceneErrors, ToolIsEitherParametersOrASurface) {
-  const std::string box = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\n"
-                          "endfacet\nendsolid\n";
+  const std::string box =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\n"
+      "endfacet\nendsolid\n";
   const std::string path = ::testing::TempDir() + "interply_errors_" + std::to_string(getpid()) + ".stl";
   std::ofstream(path) << box;
   EXPECT_EQ(refuse_value("tools.punch={stl: " + path + "}"), "");

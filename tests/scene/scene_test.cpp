@@ -52,7 +52,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsOfTheStructs) {
   EXPECT_EQ(scene.tools.die.offset, Opening{}.offset);
   EXPECT_FALSE(scene.tools.punch);
   EXPECT_TRUE(scene.blank.half);
-  EXPECT_EQ(scene.exchange.address, "ipc");
+  EXPECT_EQ(scene.exchange.address, "shm");
 }
 
 TEST(Scene, ScalarStandsForBothFibreDirections) {

@@ -136,8 +136,7 @@ TEST(LayeredStrip, AgreesWithTheClosedFormOfPerfectPlasticity) {
 }
 
 /// How far the solver's rule is off in bending, whatever the element. Its faces yield when the elastic limit is
-/// reached, the layer behind them does not share in it. Eleven points and more are not in the solver; 13 are inside 1
-/// %.
+/// reached, the layer behind them does not share in it. 13 points are inside 1 %.
 TEST(LobattoRule, ErrorOfThePlasticMomentFallsWithThePoints) {
   const double limit = compute_elastic_limit(flow_of_dc04(0), 0.3);
   const std::vector<double> times = {1, 1.5, 2, 3, 5, 7, 10, 15, 20};
@@ -187,13 +186,13 @@ TEST_P(BentStrip, HasThePlateStiffnessWhileElastic) {
                  .mesh = mesh(3)});
 }
 
-/// What the element adds to the rule, against fibres at the same points, and, for five and nine points, the whole
-/// against the exact integral.
+/// What the element adds to the rule, against fibres at the same points, and, for 5, 9 and 13 points, the whole against
+/// the exact integral.
 TEST_P(BentStrip, CarriesTheMomentOfItsFibresAndSpringsBack) {
   const double limit = compute_elastic_limit(flow_of_dc04(0), 0.3);
   const auto rules = GetParam() == Pattern::Alternating
-                         ? std::vector<std::pair<int, double>>{{3, 0.3}, {5, 0.075}, {7, 0.035}, {9, 0.02}}
-                         : std::vector<std::pair<int, double>>{{5, 0.075}, {9, 0.02}};
+                         ? std::vector<std::pair<int, double>>{{3, 0.3}, {5, 0.075}, {7, 0.035}, {9, 0.02}, {13, 0.01}}
+                         : std::vector<std::pair<int, double>>{{5, 0.075}, {9, 0.02}, {13, 0.01}};
   for (const auto& [points, rule_error] : rules) {
     BendingStrip strip(GetParam(), make_dc04(), points);
     LayeredStrip exact(kYoung, 0.3, kThickness, make_midpoint_fibres(200), flow_of_dc04);
@@ -213,7 +212,7 @@ TEST_P(BentStrip, CarriesTheMomentOfItsFibresAndSpringsBack) {
                      .unit = "N",
                      .tolerance = 5e-3,
                      .mesh = mesh(points)});
-      if (points != 5 && points != 9) continue;
+      if (points < 5 || points == 7) continue;
       expect_result({.row = "V10",
                      .quantity = quantity,
                      .source = "200 fibres, independent 3-D return",
@@ -232,7 +231,7 @@ TEST_P(BentStrip, CarriesTheMomentOfItsFibresAndSpringsBack) {
                    .unit = "1/mm",
                    .tolerance = 5e-3,
                    .mesh = mesh(points)});
-    if (points != 5 && points != 9) continue;
+    if (points < 5 || points == 7) continue;
     expect_result({.row = "V10",
                    .quantity = "DC04, residual curvature after springback from 10 elastic limits",
                    .source = "kappa - M/(E t^3/(12 (1 - nu^2))), M of 200 fibres",
@@ -240,7 +239,7 @@ TEST_P(BentStrip, CarriesTheMomentOfItsFibresAndSpringsBack) {
                    .ours = rest.curvature,
                    .unit = "1/mm",
                    // a fifth of the curvature springs back, so that much of the error of the rule is seen
-                   .tolerance = points == 9 ? 0.01 : 0.25 * rule_error,
+                   .tolerance = points >= 9 ? 0.01 : 0.25 * rule_error,
                    .mesh = mesh(points)});
   }
 }

@@ -1,11 +1,10 @@
-#include "exchange/zeromq.hpp"
-
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <mutex>
 #include <optional>
 #include <string_view>
@@ -13,122 +12,14 @@
 #include <utility>
 
 #include "exchange/admission.hpp"
+#include "exchange/mailbox.hpp"
 #include "exchange/wire.hpp"
+#include "exchange/zeromq.hpp"
 #include "exchange/zeromq_socket.hpp"
 
 namespace interply::exchange {
 
 namespace {
-
-constexpr double kFailureDelivery = 2;  ///< s to wait until a failure has arrived
-
-class ZeromqSolver final : public SolverLink {
- public:
-  explicit ZeromqSolver(const std::string& address) : address_(address) { socket_.connect(address); }
-
-  Welcome join(const Join& join, double deadline) override {
-    transmit(encoder_.encode(join));
-    Welcome welcome;
-    Refusal refusal;
-    switch (next(deadline)) {
-      case MessageKind::Welcome:
-        decoder_.read(welcome);
-        return welcome;
-      case MessageKind::Refusal:
-        decoder_.read(refusal);
-        throw Refused(refusal.sentence);
-      case MessageKind::Stop:
-        throw_stopped();
-      default:
-        throw CoordinatorLost(fmt::format("the coordinator at {} answered a join with something else", address_));
-    }
-  }
-
-  void send(const Motion& motion) override {
-    step_ = motion.step;
-    n_nodes_ = motion.position.cols();
-    transmit(encoder_.encode(motion));
-  }
-
-  void receive(Force& force, double deadline) override {
-    const MessageKind kind = next(deadline);
-    if (kind == MessageKind::Stop) throw_stopped();
-    if (kind != MessageKind::Force || decoder_.step() != step_ || decoder_.n_nodes() != n_nodes_)
-      throw CoordinatorLost(fmt::format("the coordinator at {} answered step {} with something else", address_, step_));
-    decoder_.read(force);
-  }
-
-  void send(const Final& final) override { transmit(encoder_.encode(final)); }
-
-  void send_failure(const std::string& message) override {
-    try {
-      transmit(encoder_.encode(Failure{message}));
-      const Deadline until(kFailureDelivery);
-      while (!until.passed()) {
-        const MessageKind kind = next(kFailureDelivery);
-        if (kind == MessageKind::Received || kind == MessageKind::Stop) return;
-      }
-    } catch (const CoordinatorLost&) {
-      // nobody is left to be told
-    }
-  }
-
- private:
-  void transmit(Bytes frame) {
-    if (!socket_.send(frame))
-      throw CoordinatorLost(
-          fmt::format("cannot send to the coordinator at {} {}: {}", address_, where(), std::strerror(errno)));
-  }
-
-  /// Opens the next message. @throws CoordinatorLost
-  MessageKind next(double deadline) {
-    const Deadline until(deadline);
-    for (;;) {
-      note_news();
-      if (socket_.receive()) return open();
-      if (lost_)
-        throw CoordinatorLost(fmt::format("the coordinator at {} closed the connection {}", address_, where()));
-      if (until.passed())
-        throw CoordinatorLost(
-            fmt::format("no answer from the coordinator at {} for {:g} s {}", address_, deadline, where()));
-      socket_.wait(until);
-    }
-  }
-
-  MessageKind open() {
-    try {
-      return decoder_.open(socket_.frame());
-    } catch (const Malformed& malformed) {
-      throw CoordinatorLost(fmt::format("the coordinator at {} is not understood: {}", address_, malformed.what()));
-    }
-  }
-
-  /// A connection that once stood and ends is lost for good.
-  void note_news() {
-    while (const auto news = socket_.next_news()) {
-      if (news->connected)
-        connected_ = true;
-      else if (connected_)
-        lost_ = true;
-    }
-  }
-
-  [[noreturn]] void throw_stopped() const {
-    Stop stop;
-    decoder_.read(stop);
-    throw Stopped(stop.reason, stop.message);
-  }
-
-  std::string where() const { return step_ < 0 ? std::string("while joining") : fmt::format("at step {}", step_); }
-
-  const std::string address_;
-  ZeromqSocket socket_{ZeromqSocket::Type::Dealer};
-  bool connected_ = false, lost_ = false;
-  Encoder encoder_;
-  Decoder decoder_;
-  std::int64_t n_nodes_ = 0;
-  std::int64_t step_ = -1;
-};
 
 Event make_event(Event::Kind kind, int who, std::string message = {}) {
   Event event;
@@ -152,36 +43,49 @@ class Alarm {
   void ring(const std::string& message) {
     const std::lock_guard lock(mutex_);
     message_ = message;
+    rung_ = true;
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof(one));  // fails only if it rings already
   }
   std::optional<std::string> take() {
+    if (!rung_) return {};
     std::uint64_t count;
     if (::read(descriptor_, &count, sizeof(count)) < 0) return {};
     const std::lock_guard lock(mutex_);
+    rung_ = false;
     return message_;
   }
 
  private:
   const int descriptor_;
+  std::atomic<bool> rung_ = false;
   std::mutex mutex_;
   std::string message_;
 };
+
+std::unique_ptr<MailRoom> open_mail_room(const std::vector<Expected>& expected) try {
+  return std::make_unique<MailRoom>(expected);
+} catch (const std::exception& reason) {
+  spdlog::warn("no shared memory ({}): positions and forces travel as messages", reason.what());
+  return nullptr;
+}
 
 class ZeromqCoordinator final : public CoordinatorLink {
  public:
   ZeromqCoordinator(const std::string& address, Welcome welcome, std::vector<Expected> expected)
       : welcome_(std::move(welcome)),
-        admission_(welcome_.scene_digest, std::move(expected)),
+        admission_(welcome_.scene_digest, expected),
         peers_(static_cast<std::size_t>(admission_.size())) {
     socket_.limit_messages(compute_frame_limit(admission_.largest_layer()));
     socket_.bind(address);
+    if (is_shared_memory(address)) mail_ = open_mail_room(expected);
   }
 
   Event receive(double timeout) override {
     const Deadline until(timeout);
     for (;;) {
       if (auto message = alarm_.take()) return make_event(Event::Kind::Cancelled, -1, std::move(*message));
+      if (Event event = read_mail(); event.kind != Event::Kind::None) return event;
       // A loss is told after all that the lost one still sent. Connections are looked at before each message because a
       // descriptor may be used again.
       while (note_news(), socket_.receive()) {
@@ -190,7 +94,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
       }
       if (Event event = take_loss(); event.kind != Event::Kind::None) return event;
       if (until.passed()) return {};
-      socket_.wait(until, alarm_.descriptor());
+      sleep(until);
     }
   }
 
@@ -199,6 +103,10 @@ class ZeromqCoordinator final : public CoordinatorLink {
 
   bool send(int who, const Force& force) override {
     if (!admission_.note_answer(who, force)) return false;
+    if (peer(who).by_mail) {
+      mail_->answer(who, force);
+      return true;
+    }
     if (socket_.send(peer(who).identity, encoder_.encode(force))) return true;
     peer(who).lost = true;
     return false;
@@ -220,6 +128,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
     std::string identity;  ///< of its connection; empty: not joined
     int descriptor = -1;   ///< of its connection, as the monitor will name it
     bool lost = false;     ///< and not yet told
+    bool by_mail = false;  ///< its last motion came by its mailbox: so does the answer
     Motion motion;
   };
   Peer& peer(int who) { return peers_[static_cast<std::size_t>(who)]; }
@@ -236,9 +145,40 @@ class ZeromqCoordinator final : public CoordinatorLink {
 
   Event take_loss() {
     for (int who = 0; who < admission_.size(); ++who)
-      if (std::exchange(peer(who).lost, false) && admission_.note_gone(who))
+      if (peer(who).lost && !has_mail(who) && std::exchange(peer(who).lost, false) && admission_.note_gone(who))
         return make_event(Event::Kind::Suspect, who,
                           fmt::format("the connection to {} was lost", describe(admission_.join(who))));
+    return {};
+  }
+
+  bool has_mail(int who) const { return mail_ && admission_.is_active(who) && mail_->has_mail(who); }
+  bool has_mail() const {
+    for (int who = 0; who < admission_.size(); ++who)
+      if (has_mail(who)) return true;
+    return false;
+  }
+
+  void sleep(const Deadline& until) {
+    if (!mail_) return socket_.wait(until, {alarm_.descriptor()});
+    mail_->bell().announce_sleep();
+    if (!has_mail()) socket_.wait(until, {alarm_.descriptor(), mail_->bell().descriptor()});
+    mail_->bell().end_sleep();
+  }
+
+  /// Takes one motion from the mailboxes.
+  Event read_mail() {
+    for (int who = 0; who < admission_.size(); ++who) {
+      if (!has_mail(who)) continue;
+      const MotionMail mail = mail_->take(who);
+      const std::string refusal = admission_.judge_motion(who, mail.step, mail_->n_nodes(who), mail.n_thickness);
+      if (!refusal.empty()) {
+        refuse(who, "motion", refusal);
+        continue;
+      }
+      mail_->read(who, mail, peer(who).motion);
+      peer(who).by_mail = true;
+      return make_event(Event::Kind::Moved, who);
+    }
     return {};
   }
 
@@ -270,7 +210,8 @@ class ZeromqCoordinator final : public CoordinatorLink {
     Peer& p = peer(verdict.who);
     p.identity = identity;
     p.descriptor = socket_.descriptor();
-    if (!socket_.send(identity, encoder_.encode(welcome_))) p.lost = true;
+    if (!socket_.send(identity, encoder_.encode(welcome_, mail_ ? mail_->offer(verdict.who) : MailboxOffer{})))
+      p.lost = true;
     return make_event(Event::Kind::Joined, verdict.who);
   }
 
@@ -283,6 +224,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
         refusal = admission_.judge_motion(who, decoder_.step(), decoder_.n_nodes(), decoder_.n_thickness());
         if (!refusal.empty()) return refuse(who, "motion", refusal);
         decoder_.read(peer(who).motion);
+        peer(who).by_mail = false;
         event.kind = Event::Kind::Moved;
         return event;
       case MessageKind::Final:
@@ -328,13 +270,10 @@ class ZeromqCoordinator final : public CoordinatorLink {
   ZeromqSocket socket_{ZeromqSocket::Type::Router};
   Encoder encoder_;
   Decoder decoder_;
+  std::unique_ptr<MailRoom> mail_;  ///< null: everything travels as messages
 };
 
 }  // namespace
-
-std::unique_ptr<SolverLink> connect_zeromq(const std::string& address) {
-  return std::make_unique<ZeromqSolver>(address);
-}
 
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
                                              std::vector<Expected> expected) {

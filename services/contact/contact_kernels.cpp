@@ -1,0 +1,257 @@
+/// Nodes of a lower layer against the smooth surface of the upper one, and nodes against a tool, several at once: (C1)
+/// to (C4) of THEORY.md. The plain forms are in smooth_facet.hpp, layer_interface_plain.cpp and points.hpp.
+#include "contact/kernels.hpp"
+#include "contact/law_kernels.hpp"
+#include "simd/pack.hpp"
+
+namespace interply::contact {
+namespace {
+
+/// The facets that the lanes face.
+struct Facet {
+  Indices node[3];
+  Vec3 x[3], u, v, area;  ///< corners, x_2 - x_1, x_3 - x_1, u x v
+};
+
+template <class Lanes>
+inline Facet load_facet(const PairRows& p, const Lanes& lanes) {
+  const Indices t = lanes.load(p.triangle);
+  Facet f;
+  for (int k = 0; k < 3; ++k) {
+    for (int l = 0; l < kWidth; ++l) f.node[k][l] = p.corner[k][t[l]];
+    f.x[k] = gather(p.upper.position, f.node[k]);
+  }
+  f.u = f.x[1] - f.x[0];
+  f.v = f.x[2] - f.x[0];
+  f.area = cross(f.u, f.v);
+  return f;
+}
+
+/// A point projected along a direction, as in pairing.hpp.
+struct Foot {
+  Real w[3], distance, inverse;  ///< 1/(n.(u x v))
+};
+
+inline Foot project(const Facet& f, const Vec3& x, const Vec3& n) {
+  const Vec3 r = x - f.x[0];
+  Foot foot;
+  foot.inverse = Real(1.0) / dot(n, f.area);
+  foot.w[1] = dot(n, cross(r, f.v)) * foot.inverse;
+  foot.w[2] = dot(n, cross(f.u, r)) * foot.inverse;
+  foot.w[0] = Real(1.0) - foot.w[1] - foot.w[2];
+  foot.distance = -(dot(r, f.area) * foot.inverse);
+  return foot;
+}
+
+/// Share of the nodes that are beyond the partner's edge, and the gradient of the weight w_k that says so.
+struct Edge {
+  bool any = false;
+  Real share = Real(1.0);
+  Real fade = Real(0.0);                    ///< 1 where 0 < share < 1, else 0
+  Real by_2 = Real(0.0), by_3 = Real(0.0);  ///< dw_k/dw_2, dw_k/dw_3 at w_1 = 1 - w_2 - w_3
+};
+
+/// Lets the lanes that have left their triangles walk; facets and feet are then those of the new ones.
+template <class Lanes>
+Edge walk(const PairRows& p, const Lanes& lanes, const Vec3& x, const Vec3& n, const Real& least, Facet& facet,
+          Foot& foot, double& edge_energy) {
+  alignas(64) double smallest[kWidth], share[kWidth], fade[kWidth], by_2[kWidth], by_3[kWidth];
+  int beyond[kWidth];
+  bool any = false;
+  spread(least, smallest);
+  for (int l = 0; l < kWidth; ++l) {
+    beyond[l] = -1;
+    if (l < lanes.count() && smallest[l] < kOnSide) beyond[l] = p.walk(p.owner, lanes.begin() + l, edge_energy);
+    any = any || beyond[l] >= 0;
+  }
+  facet = load_facet(p, lanes);
+  foot = project(facet, x, n);
+  if (!any) return {};
+  alignas(64) double w[3][kWidth];
+  for (int k = 0; k < 3; ++k) spread(foot.w[k], w[k]);
+  for (int l = 0; l < kWidth; ++l) {
+    const int k = beyond[l];
+    share[l] = k < 0 ? 1 : simd::max(0.0, 1 + w[k][l] / kEdgeMargin);
+    fade[l] = share[l] > 0 && share[l] < 1 ? 1 : 0;
+    by_2[l] = k == 0 ? -1 : k == 1 ? 1 : 0;
+    by_3[l] = k == 0 ? -1 : k == 2 ? 1 : 0;
+  }
+  return {true, collect<Real>(share), collect<Real>(fade), collect<Real>(by_2), collect<Real>(by_3)};
+}
+
+/// The smooth surface above a facet, (C1), in parts: side i runs from corner i to j = i + 1,
+/// r = sum beta_i side_i.n_j - alpha_i side_i.n_i, dr/dn_j = beta_i side_i, dr/dn_i = -alpha_i side_i.
+struct Rise {
+  Real value, alpha[3], beta[3];
+  Real by_weight[3];
+};
+
+inline Rise compute_rise(const Facet& f, const Vec3 n[3], const Real w[3]) {
+  const Real half(0.5), one(1.0);
+  const Vec3 side[3] = {f.u, f.x[2] - f.x[1], f.x[0] - f.x[2]};
+  Rise r;
+  for (Real& b : r.by_weight) b = Real(0.0);
+  r.value = Real(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Real at_i = half * dot(side[i], n[i]), at_j = half * dot(side[i], n[j]);
+    const Real even = at_j - at_i, odd = at_i + at_j, skew = w[i] - w[j], both = half * w[i] * w[j];
+    r.alpha[i] = both * (one + skew);
+    r.beta[i] = both * (one - skew);
+    r.value += w[i] * w[j] * (even - skew * odd);
+    r.by_weight[i] += w[j] * (even - (skew + w[i]) * odd);
+    r.by_weight[j] += w[i] * (even - (skew - w[j]) * odd);
+  }
+  return r;
+}
+
+/// Elastic stick carried along with the facet, laid across n, its length kept.
+inline Vec3 carry_along(const Facet& f, const Vec3 increment[3], const Vec3& n, const Vec3& e) {
+  const Real one(1.0);
+  const Vec3 u = f.u - (increment[1] - increment[0]), v = f.v - (increment[2] - increment[0]);
+  const Vec3 area = cross(u, v);
+  const Real inverse = one / dot(area, area);
+  const Real uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), eu = dot(e, u), ev = dot(e, v);
+  const Vec3 carried =
+      (inverse * (eu * vv - ev * uv)) * f.u + (inverse * (ev * uu - eu * uv)) * f.v + (inverse * dot(e, area)) * f.area;
+  return lay_across(carried, n, e);
+}
+
+template <class Lanes>
+inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, double& edge_energy) {
+  const Real zero(0.0), half(0.5), one(1.0);
+  const Vec3 x = load(lanes, p.lower.position), n = load(lanes, p.lower.normal);
+  Facet f = load_facet(p, lanes);
+  Foot foot = project(f, x, n);
+  Edge edge;
+  const Real least = min(min(foot.w[0], foot.w[1]), foot.w[2]);
+  if (any(least < Real(kOnSide))) edge = walk(p, lanes, x, n, least, f, foot, edge_energy);
+
+  // gap, (C1)
+  Vec3 normal[3];
+  Real height = lanes.load(p.lower.half_thickness);
+  const Real below_share = height;  // h_l
+  for (int k = 0; k < 3; ++k) {
+    normal[k] = gather(p.upper.normal, f.node[k]);
+    height += foot.w[k] * gather<Real>(p.upper.half_thickness, f.node[k]);
+  }
+  const Rise rise = compute_rise(f, normal, foot.w);
+  const Real distance = foot.distance + rise.value, gap = distance - height, old_gap = lanes.load(p.points.gap);
+  const bool acts = any(min(gap, old_gap) < zero);
+  for (int l = 0; l < lanes.count(); ++l) p.touches[lanes.begin() + l] = acts;
+  Quad* const lower = p.lower_force + 2 * lanes.begin();
+  if (!acts) {  // open, and stays so
+    lanes.store(p.points.gap, gap);
+    lanes.store(p.points.height, height);
+    lanes.store(p.points.weight, edge.share);
+    for (int l = 0; l < 2 * lanes.count(); ++l) lower[l] = {};
+    return;
+  }
+
+  // friction and damper at the common point (C4)
+  const Real below = distance * below_share / height;  // a
+  const Vec3 m = foot.w[0] * normal[0] + foot.w[1] * normal[1] + foot.w[2] * normal[2];
+  const Foot common = project(f, x + below * n, m);
+  Vec3 increment[3];
+  Vec3 slip = load(lanes, p.lower.increment) + below * load(lanes, p.lower.turn);
+  Vec3 turned{zero, zero, zero};
+  for (int k = 0; k < 3; ++k) {
+    increment[k] = gather(p.upper.increment, f.node[k]);
+    slip -= common.w[k] * increment[k];
+    turned += foot.w[k] * gather(p.upper.turn, f.node[k]);
+  }
+  slip += common.distance * turned;
+  const Vec3 start = carry_along(f, increment, n, load(lanes, p.points.stick));
+  const Force force = advance_points(p, lanes, {gap, height, edge.share, n, start, slip}, old_gap, sums);
+
+  // (C2), (C3): minus the gradient of the penalty energy
+  const Real inverse_square = one / dot(f.area, f.area);
+  const Real uu = dot(f.u, f.u), uv = dot(f.u, f.v), vv = dot(f.v, f.v);
+  const auto gradient = [&](const Real& by_2, const Real& by_3) {  // of a function of w_2 and w_3
+    return (inverse_square * (by_2 * vv - by_3 * uv)) * f.u + (inverse_square * (by_3 * uu - by_2 * uv)) * f.v;
+  };
+  const Vec3 along = foot.inverse * f.area;  // N/(n.N)
+  const Vec3 slope = gradient(rise.by_weight[1] - rise.by_weight[0], rise.by_weight[2] - rise.by_weight[0]);
+  Vec3 push = force.pressing * ((one + dot(slope, n)) * along - slope);
+  if (edge.any) {
+    const Real depth = min(gap, zero);
+    const Vec3 g = gradient(edge.by_2, edge.by_3);
+    push += (edge.fade * half * Real(p.law.stiffness / kEdgeMargin) * lanes.load(p.points.area) * depth * depth) *
+            (g - dot(g, n) * along);
+  }
+  store(lanes, lower, 2, force.drag - push);
+  store(lanes, lower + 1, 2, below * force.drag - foot.distance * push);
+  const Vec3 side[3] = {f.u, f.x[2] - f.x[1], f.x[0] - f.x[2]};
+  for (int k = 0; k < 3; ++k) {
+    const int before = (k + 2) % 3, after = (k + 1) % 3;  // sides that end and begin at corner k
+    const Vec3 on_corner = (rise.beta[before] + rise.alpha[k]) * normal[k] - rise.alpha[before] * normal[before] -
+                           rise.beta[k] * normal[after];
+    const Vec3 on_normal = rise.beta[before] * side[before] - rise.alpha[k] * side[k];
+    Quad* const upper = p.upper_force + 6 * lanes.begin() + 2 * k;
+    store(lanes, upper, 6, foot.w[k] * push + force.pressing * on_corner - common.w[k] * force.drag);
+    store(lanes, upper + 1, 6, force.pressing * on_normal + (common.distance * foot.w[k]) * force.drag);
+  }
+}
+
+void advance_pairs(const PairRows& p, Index begin, Index end, InterfaceEnergies& energies) {
+  Sums sums(begin);
+  double edge_energy = 0;
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { advance_pack(p, lanes, sums, edge_energy); });
+  sums.add_to(energies);
+  energies.edge += edge_energy;
+}
+
+template <class Lanes>
+inline void advance_tool_pack(const ToolRows& p, const Lanes& lanes, Sums& sums, simd::Sum<Real> (&force_sum)[3],
+                              simd::Sum<Real> (&moment_sum)[3]) {
+  const Real zero(0.0);
+  Quad* const out = p.force + 2 * lanes.begin();
+  const Real gap = lanes.load(p.gap), old_gap = lanes.load(p.points.gap), h = lanes.load(p.layer.half_thickness);
+  if (!any(min(gap, old_gap) < zero)) {  // open, and stays so
+    lanes.store(p.points.gap, gap);
+    lanes.store(p.points.height, h);
+    for (int l = 0; l < 2 * lanes.count(); ++l) out[l] = {};
+    return;
+  }
+  const Vec3 gradient = load(lanes, p.gradient), n = load(lanes, p.layer.normal), normal = Real(-1.0) * gradient;
+  const Real side = select(dot(gradient, n) > zero, -h, h);  // of the layer's surface that faces the tool
+  Vec3 slip = load(lanes, p.layer.increment) + side * load(lanes, p.layer.turn);
+  slip.z -= Real(p.increment);
+  const Vec3 stick = load(lanes, p.points.stick);
+  const Force force =
+      advance_points(p, lanes, {gap, h, Real(1.0), normal, lay_across(stick, normal, stick), slip}, old_gap, sums);
+  const Vec3 total = force.drag + force.pressing * gradient, pull = side * force.drag;
+  store(lanes, out, 2, total);
+  store(lanes, out + 1, 2, pull);
+  const Vec3 moment = cross(load(lanes, p.layer.position), total) + cross(n, pull);
+  force_sum[0].add(lanes, total.x);
+  force_sum[1].add(lanes, total.y);
+  force_sum[2].add(lanes, total.z);
+  moment_sum[0].add(lanes, moment.x);
+  moment_sum[1].add(lanes, moment.y);
+  moment_sum[2].add(lanes, moment.z);
+}
+
+ToolSums advance_tool(const ToolRows& p, Index begin, Index end) {
+  using Sum = simd::Sum<Real>;
+  Sums sums(begin);
+  Sum force[3] = {Sum(begin), Sum(begin), Sum(begin)}, moment[3] = {Sum(begin), Sum(begin), Sum(begin)};
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { advance_tool_pack(p, lanes, sums, force, moment); });
+  ToolSums result;
+  sums.add_to(result.energies);
+  for (int d = 0; d < 3; ++d) {
+    result.force[d] = force[d].total();
+    result.moment[d] = moment[d].total();
+  }
+  return result;
+}
+
+}  // namespace
+
+template <>
+const ContactKernels& get_contact_kernels<simd::Target>() {
+  static constexpr ContactKernels kernels{advance_tool, advance_pairs};
+  return kernels;
+}
+
+}  // namespace interply::contact

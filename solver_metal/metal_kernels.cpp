@@ -1,0 +1,190 @@
+#include "solver_metal/metal_kernels.hpp"
+
+#include "mechanics/shell_kernels.hpp"
+#include "solver_metal/pack_law.hpp"
+
+namespace interply::metal {
+namespace {
+
+using simd::Index;
+using Real = simd::Pack;
+using Tensor = PackTensor<Real>;
+
+/// First point of a pack at which `good` does not hold, or -1.
+template <class Lanes>
+Index find_bad(const Lanes& lanes, const simd::Mask<Real>& good) {
+  if (simd::all(good)) return -1;
+  const simd::Lanes<Real, false> all(0, Lanes::kWidth);
+  double is_good[Lanes::kWidth];
+  all.store(is_good, simd::select(good, Real(1.0), Real(0.0)));
+  for (int l = 0; l < lanes.count(); ++l)
+    if (is_good[l] == 0) return lanes.begin() + l;
+  return -1;
+}
+
+Index compute_facets(const mechanics::ShellRows& shell, const double* const x[3], double smallest, double largest,
+                     Index begin, Index end) {
+  Index bad = -1;
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
+    const auto f = mechanics::compute_facet<Real>(shell, lanes, x);
+    mechanics::store_facet(shell, lanes, f);
+    const Index found = find_bad(lanes, (f.area_ratio > Real(smallest)) & (f.area_ratio <= Real(largest)));
+    if (bad < 0) bad = found;
+  });
+  return bad;
+}
+
+/// u x u.
+Tensor compute_congruence(const Tensor& u, const Tensor& x) {
+  const Real a11 = u.m11 * x.m11 + u.m12 * x.m12, a12 = u.m11 * x.m12 + u.m12 * x.m22;
+  const Real a21 = u.m12 * x.m11 + u.m22 * x.m12, a22 = u.m12 * x.m12 + u.m22 * x.m22;
+  return {a11 * u.m11 + a12 * u.m12, a21 * u.m12 + a22 * u.m22, a11 * u.m12 + a12 * u.m22};
+}
+
+/// (S1).
+Tensor compute_inverse_stretch(const Tensor& c, const Real& j) {
+  const Real s = Real(1.0) / (j * simd::sqrt(c.m11 + c.m22 + j + j));
+  return {s * (c.m22 + j), s * (c.m11 + j), -s * c.m12};
+}
+
+Real compute_determinant(const Tensor& a) { return a.m11 * a.m22 - a.m12 * a.m12; }
+
+Real contract(const Tensor& a, const Tensor& b) { return a.m11 * b.m11 + a.m22 * b.m22 + Real(2.0) * (a.m12 * b.m12); }
+
+template <class Lanes>
+Tensor load(const Lanes& lanes, const double* const row[3]) {
+  return {lanes.load(row[0]), lanes.load(row[1]), lanes.load(row[2])};
+}
+
+template <class Lanes>
+void store(const Lanes& lanes, double* const row[3], const Tensor& a) {
+  lanes.store(row[0], a.m11);
+  lanes.store(row[1], a.m22);
+  lanes.store(row[2], a.m12);
+}
+
+/// Thickness means of stress, moment, thickness strain and stress work per volume.
+struct Means {
+  Tensor force, moment;
+  Real strain, work;
+};
+
+/// All points of a pack of elements under de(z) = membrane + xi bending. The hardening of a point is touched only
+/// where it yields somewhere in the pack.
+template <class Law, class Curve, class Lanes>
+Means advance_points(const SheetRows& sheet, const LawConstants& constants, const Law& law, const Curve& curve,
+                     const Lanes& lanes, const Tensor& membrane, const Tensor& bending) {
+  const Index n = sheet.n;
+  Tensor stress[kMostPoints];
+  PackReturn<Law::kModes, Real> returns[kMostPoints];
+  int return_of[kMostPoints], n_returns = 0;
+  for (int i = 0; i < sheet.n_points; ++i) {
+    const double* const rows[3] = {sheet.stress + 3 * i * n, sheet.stress + (3 * i + 1) * n,
+                                   sheet.stress + (3 * i + 2) * n};
+    auto& r = returns[n_returns];
+    stress[i] = law.compute_trial(load(lanes, rows), membrane + Real(sheet.xi[i]) * bending, r.square);
+    const Real yield = lanes.load(sheet.yield_stress + i * n);
+    Real trial2 = r.square[0];
+    for (int m = 1; m < Law::kModes; ++m) trial2 += r.square[m];
+    r.left = trial2 > yield * yield;
+    return_of[i] = -1;
+    if (!simd::any(r.left)) continue;
+    r.start = {lanes.load(sheet.plastic_strain + i * n), yield, lanes.load(sheet.yield_slope + i * n), Real(0.0)};
+    return_of[i] = n_returns++;
+  }
+  return_packs(constants, curve, law.rate, n_returns, returns);
+
+  const Real zero(0.0), lateral(-constants.poisson / constants.young);
+  Means mean{{zero, zero, zero}, {zero, zero, zero}, zero, zero};
+  for (int i = 0; i < sheet.n_points; ++i) {
+    const Real weight(sheet.weight[i]), xi(sheet.xi[i]), half_weight(0.5 * sheet.weight[i]);
+    Real plastic = zero;
+    if (return_of[i] >= 0) {
+      const PackPoint<Real>& point = returns[return_of[i]].end;
+      const simd::Mask<Real> yields = point.multiplier > zero;
+      Tensor s = stress[i];
+      plastic = simd::select(yields, law.shrink(point.multiplier, s), zero);
+      stress[i] = {simd::select(yields, s.m11, stress[i].m11), simd::select(yields, s.m22, stress[i].m22),
+                   simd::select(yields, s.m12, stress[i].m12)};
+      lanes.store(sheet.plastic_strain + i * n, point.plastic_strain);
+      lanes.store(sheet.yield_stress + i * n, point.yield_stress);
+      lanes.store(sheet.yield_slope + i * n, point.yield_slope);
+    }
+    double* const rows[3] = {sheet.stress + 3 * i * n, sheet.stress + (3 * i + 1) * n, sheet.stress + (3 * i + 2) * n};
+    const Tensor& s = stress[i];
+    const Tensor before = load(lanes, rows);
+    store(lanes, rows, s);
+    mean.strain += weight * (lateral * (s.m11 + s.m22 - before.m11 - before.m22) - plastic);
+    mean.work += half_weight * contract(before + s, membrane + xi * bending);
+    const Tensor part = weight * s;
+    mean.force = mean.force + part;
+    mean.moment = mean.moment + xi * part;
+  }
+  return mean;
+}
+
+/// Second pass of a pack; see metal_element.hpp. @return which thicknesses are positive and finite
+template <class Law, class Curve, class Lanes>
+simd::Mask<Real> advance_pack(const mechanics::ShellRows& shell, const SheetRows& sheet, const LawConstants& constants,
+                              const Law& law, const Curve& curve, const double* phi, const Lanes& lanes,
+                              simd::Sum<Real>& work) {
+  const Real half(0.5);
+  const auto f = mechanics::load_facet<Real>(shell, lanes);
+  const auto k = mechanics::compute_curvature<Real>(shell, lanes, f, phi);
+  const Tensor metric{dot(f.f1, f.f1), dot(f.f2, f.f2), dot(f.f1, f.f2)}, curvature{k.k11, k.k22, k.k12};
+  const Tensor old_metric = load(lanes, sheet.metric), old_curvature = load(lanes, sheet.curvature);
+  const Real old_thickness = lanes.load(sheet.thickness), old_ratio = simd::sqrt(compute_determinant(old_metric));
+
+  const Tensor middle = half * (old_metric + metric);
+  const Real j = simd::sqrt(compute_determinant(middle));
+  const Tensor um = compute_inverse_stretch(middle, j);
+  const Real half_thickness = half * old_thickness * old_ratio / j;                             // of constant volume
+  const Tensor membrane = compute_congruence(um, half * (metric - old_metric));                 // (E1)
+  const Tensor bending = compute_congruence(um, half_thickness * (old_curvature - curvature));  // (E1)
+  const Means mean = advance_points(sheet, constants, law, curve, lanes, membrane, bending);
+
+  const Real thickness = old_thickness * simd::exp(mean.strain);
+  const Real volume = f.area_ratio * thickness, half_area = half * k.area;
+  work.add(lanes, half_area * (old_ratio * old_thickness + volume) * mean.work);
+  lanes.store(sheet.thickness, thickness);
+  store(lanes, sheet.metric, metric);
+  store(lanes, sheet.curvature, curvature);
+  const Tensor u = compute_inverse_stretch(metric, f.area_ratio);
+  const Tensor force = compute_congruence(u, (k.area * volume) * mean.force);               // A N of (E2)
+  const Tensor moment = compute_congruence(u, (-half * thickness * volume) * mean.moment);  // (E2)
+  mechanics::store_membrane(shell, lanes, force.m11, force.m22, force.m12);
+  mechanics::store_moments(shell, lanes, k, moment.m11, moment.m22, moment.m12);
+  return (thickness > Real(0.0)) & (thickness < Real(1e300));
+}
+
+template <class Law, class Curve>
+SheetAdvance advance_law(const mechanics::ShellRows& shell, const SheetRows& sheet, const LawConstants& constants,
+                         const Curve& curve, const double* phi, Index begin, Index end) {
+  const Law law(constants);
+  SheetAdvance result;
+  simd::Sum<Real> work(begin);
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
+    const Index found = find_bad(lanes, advance_pack(shell, sheet, constants, law, curve, phi, lanes, work));
+    if (result.bad < 0) result.bad = found;
+  });
+  result.work = work.total();
+  return result;
+}
+
+SheetAdvance advance(const mechanics::ShellRows& shell, const SheetRows& sheet, const LawConstants& law,
+                     const double* phi, Index begin, Index end) {
+  return with_curve(law.curve, [&](const auto& curve) {
+    return law.hill48 ? advance_law<Hill48Pack<Real>>(shell, sheet, law, curve, phi, begin, end)
+                      : advance_law<J2Pack<Real>>(shell, sheet, law, curve, phi, begin, end);
+  });
+}
+
+}  // namespace
+
+template <>
+const MetalKernels& get_metal_kernels<simd::Target>() {
+  static constexpr MetalKernels kernels{compute_facets, advance};
+  return kernels;
+}
+
+}  // namespace interply::metal

@@ -1,0 +1,197 @@
+// The kernels of a ply against the plain formulas, element by element, for every target that this machine runs.
+#include "solver_fabric/fabric_kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "solver_fabric/membrane.hpp"
+#include "solver_fabric/stable_increment.hpp"
+#include "support/bending_sheet.hpp"
+
+namespace interply::fabric {
+namespace {
+
+using mechanics::NodalVectors;
+using mechanics::Scalars;
+using mechanics::ShellGeometry;
+using mechanics::ShellPasses;
+using mechanics::ShellRows;
+
+constexpr double kThickness = 1.2, kFloor[2] = {100, 200};
+constexpr BendingStiffness kBending{2.2, 3.1, 0.4};
+
+scene::WovenLaw make_law(scene::Variant variant) {
+  scene::WovenLaw law;
+  law.variant = variant;
+  law.a = {5.5e4, 4.1e4};
+  law.c = {-60, -45};
+  law.p_min = {0.4, 0.6};
+  return law;
+}
+
+/// Nodes moved at random: stretches, shear and slopes of some per cent, tension and compression mixed.
+NodalVectors move_at_random(const mechanics::TriangleMesh& mesh, double amount) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> by(-amount, amount);
+  NodalVectors x = mesh.reference;
+  for (Eigen::Index i = 0; i < mesh.n_nodes(); ++i)
+    for (int d = 0; d < 3; ++d) x(d, i) += by(random);
+  return x;
+}
+
+/// One evaluation of a ply.
+struct Evaluation {
+  NodalVectors force;
+  Scalars torque;  ///< what drives each edge, N mm
+  double energy = 0, bound = 0;
+};
+
+struct Ply {
+  mechanics::TriangleMesh mesh;
+  MembraneLaw law;
+  ShellGeometry shell;
+  NodalVectors x;
+  Scalars phi;
+
+  Ply(const mechanics::TriangleMesh& m, scene::Variant variant)
+      : mesh(m), law(make_membrane_law(make_law(variant))), shell(mechanics::make_shell_geometry(m, 0.3)) {
+    x = move_at_random(mesh, 0.15);
+    phi = 0.02 * Scalars::Random(shell.n_edges());
+  }
+
+  Evaluation evaluate_plainly() const {
+    ShellPasses passes(shell);
+    Evaluation r;
+    const Eigen::Index n = mesh.n_elements();
+    NodalVectors slots = NodalVectors::Zero(3, 3 * n);
+    for (Eigen::Index e = 0; e < n; ++e) {
+      const auto g = mechanics::compute_surface_gradient(shell, x, e);
+      passes.store_facet(e, g);
+      const FibreState s = compute_fibre_state(g.f1, g.f2, g.area_ratio);
+      const Potential w = std::visit([&](const auto& l) { return l.evaluate(s.la, s.lb, s.gamma); }, law);
+      Vector3 corner[3];
+      compute_membrane_forces(shell, e, g, compute_membrane_stress(w, s), shell.area(e) * kThickness, corner);
+      for (int k = 0; k < 3; ++k) mechanics::add_at(slots, k * n + e, corner[k]);
+      r.energy += shell.area(e) * kThickness * w.W;
+      r.bound = std::max(r.bound, compute_membrane_eigenvalue_bound(w, s, compute_gradient_products(shell, e),
+                                                                    {kFloor[0], kFloor[1]}));
+    }
+    for (Eigen::Index e = 0; e < n; ++e) {
+      const mechanics::Curvature k = mechanics::compute_curvature(shell, passes, phi, e);
+      const double m11 = kBending.warp * k.k11, m22 = kBending.weft * k.k22, m12 = 2 * kBending.twist * k.k12;
+      mechanics::store_moments(shell, k, m11, m22, m12, e, passes);
+      r.energy += shell.area(e) * (m11 * k.k11 + m22 * k.k22 + 2 * m12 * k.k12) / 2;
+    }
+    for (Eigen::Index e = 0; e < n; ++e) mechanics::add_bending_forces(shell, passes, e, slots);
+    r.force.resize(3, mesh.n_nodes());
+    mechanics::gather_forces(shell.gather, slots, 0, mesh.n_nodes(), r.force);
+    r.torque.resize(shell.n_edges());
+    for (Eigen::Index i = 0; i < shell.n_edges(); ++i) r.torque(i) = mechanics::compute_edge_torque(shell, passes, i);
+    return r;
+  }
+
+  template <class Target>
+  Evaluation evaluate() const {
+    const FabricKernels& fabric = get_fabric_kernels<Target>();
+    const mechanics::ShellPassKernels& common = mechanics::get_shell_pass_kernels<Target>();
+    ShellPasses passes(shell);
+    const ShellRows rows(shell, passes);
+    const Eigen::Index n = mesh.n_elements(), n_edges = shell.n_edges();
+    const double* const at[3] = {&x(0, 0), &x(1, 0), &x(2, 0)};
+    Evaluation r;
+    // blocks of an odd size, so that packs end everywhere
+    for (Eigen::Index begin = 0; begin < n; begin += 37) {
+      const Eigen::Index end = std::min(n, begin + 37);
+      const MembraneResult m =
+          std::holds_alternative<InvariantLaw>(law)
+              ? fabric.stretch_invariant(rows, at, std::get<InvariantLaw>(law).parameters(), kThickness, begin, end)
+              : fabric.stretch_tables(rows, at, std::get<TableLaw>(law).parameters(), kThickness, begin, end);
+      EXPECT_EQ(m.failed, -1);
+      r.energy += m.energy;
+      r.bound = std::max(
+          r.bound, std::holds_alternative<InvariantLaw>(law)
+                       ? fabric.bound_invariant(rows, std::get<InvariantLaw>(law).parameters(), kFloor, begin, end)
+                       : fabric.bound_tables(rows, std::get<TableLaw>(law).parameters(), kFloor, begin, end));
+    }
+    const auto images = static_cast<std::ptrdiff_t>(shell.images.size());
+    const double* const mirror[2] = {shell.image_plane.data(), shell.image_plane.data() + images};
+    common.reflect_facets(rows, shell.images.data(), mirror, images);
+    for (Eigen::Index begin = 0; begin < n; begin += 37)
+      r.energy += fabric.bend(rows, phi.data(), kBending, begin, std::min(n, begin + 37));
+    NodalVectors slots(3, 3 * n);
+    double* const slot[3] = {&slots(0, 0), &slots(1, 0), &slots(2, 0)};
+    for (Eigen::Index begin = 0; begin < n; begin += 37)
+      common.compute_corner_forces(rows, slot, begin, std::min(n, begin + 37));
+    r.force.resize(3, mesh.n_nodes());
+    double* const force[3] = {&r.force(0, 0), &r.force(1, 0), &r.force(2, 0)};
+    common.gather_forces(shell.gather.start.data(), shell.gather.entry.data(), slot, force, 0, mesh.n_nodes());
+    r.torque.resize(n_edges);
+    for (Eigen::Index i = 0; i < n_edges; ++i) r.torque(i) = mechanics::compute_edge_torque(shell, passes, i);
+    return r;
+  }
+};
+
+std::vector<mechanics::TriangleMesh> make_meshes() {
+  return {mechanics::test::make_unstructured({0, 43}, {0, 31}, 4),
+          mechanics::make_rectangle({0, 30}, {0, 22}, 4, 0, true)};
+}
+
+void expect_close(const Evaluation& a, const Evaluation& b, double tolerance) {
+  EXPECT_LT((a.force - b.force).abs().maxCoeff(), tolerance * b.force.abs().maxCoeff());
+  EXPECT_LT((a.torque - b.torque).abs().maxCoeff(), tolerance * b.torque.abs().maxCoeff());
+  EXPECT_NEAR(a.energy, b.energy, tolerance * b.energy);
+}
+
+class FabricKernelsOfAVariant : public testing::TestWithParam<scene::Variant> {};
+
+template <class Target>
+void compare(scene::Variant variant) {
+  for (const auto& mesh : make_meshes()) {
+    const Ply ply(mesh, variant);
+    const Evaluation plain = ply.evaluate_plainly(), packed = ply.evaluate<Target>();
+    expect_close(packed, plain, 1e-12);
+    // Newton's method for the eigenvalue ends above the root
+    EXPECT_GE(packed.bound, plain.bound * (1 - 1e-12));
+    EXPECT_LE(packed.bound, plain.bound * (1 + 5e-3));
+  }
+}
+
+TEST_P(FabricKernelsOfAVariant, ScalarAgreesWithThePlainFormulas) { compare<simd::Scalar>(GetParam()); }
+
+TEST_P(FabricKernelsOfAVariant, PacksAgreeWithThePlainFormulasAndHaveTheSameBitsAtAnyWidth) {
+#if defined(__x86_64__)
+  compare<simd::Avx2>(GetParam());
+  if (simd::choose_target() != simd::Choice::Avx512) GTEST_SKIP() << "this machine has no AVX-512";
+  compare<simd::Avx512>(GetParam());
+  for (const auto& mesh : make_meshes()) {
+    const Ply ply(mesh, GetParam());
+    const Evaluation four = ply.evaluate<simd::Avx2>(), eight = ply.evaluate<simd::Avx512>();
+    EXPECT_TRUE((four.force == eight.force).all());
+    EXPECT_TRUE((four.torque == eight.torque).all());
+    EXPECT_EQ(four.energy, eight.energy);
+  }
+#endif
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FabricKernelsOfAVariant,
+                         testing::Values(scene::Variant::Uncoupled, scene::Variant::Full, scene::Variant::Biaxial,
+                                         scene::Variant::NormalShear, scene::Variant::Fabric));
+
+TEST(FabricKernels, NameTheFirstElementThatIsFolded) {
+  Ply ply(mechanics::make_rectangle({0, 40}, {0, 40}, 4), scene::Variant::Full);
+  ply.x = ply.mesh.reference;
+  const int folded = 101;
+  // its third corner comes to lie on the side across
+  const int a = ply.mesh.triangles(0, folded), b = ply.mesh.triangles(1, folded), c = ply.mesh.triangles(2, folded);
+  ply.x.col(c) = 0.5 * (ply.x.col(a) + ply.x.col(b));
+  ShellPasses passes(ply.shell);
+  const ShellRows rows(ply.shell, passes);
+  const double* const at[3] = {&ply.x(0, 0), &ply.x(1, 0), &ply.x(2, 0)};
+  const MembraneResult m = choose_fabric_kernels().stretch_invariant(
+      rows, at, std::get<InvariantLaw>(ply.law).parameters(), kThickness, 0, ply.mesh.n_elements());
+  EXPECT_EQ(m.failed, folded);
+}
+
+}  // namespace
+}  // namespace interply::fabric
