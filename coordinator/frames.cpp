@@ -28,7 +28,7 @@ std::vector<Field> describe_points(const contact::Points& p, double upper_sign) 
                     3});
   fields.push_back({"gap", "mm", "gap along the averaged vertex normal, > 0 open", true, std::move(gap), 1});
   fields.push_back({"slip", "mm", "accumulated sliding distance", true, copy(p.slip), 1});
-  fields.push_back({"state", "1", "0 open, 1 stick, 2 slide", true, std::move(state), 1});
+  fields.push_back({"state", "1", "0 open, 1 stick, 2 slide, 3 past the edge of the partner (nothing acts)", true, std::move(state), 1});
   return fields;
 }
 

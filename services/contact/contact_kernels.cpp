@@ -117,6 +117,26 @@ inline Vec3 carry_along(const Facet& f, const Vec3 increment[3], const Vec3& n, 
   return lay_across(carried, n, e);
 }
 
+/// Marks the lanes that have passed the partner (State::Passed): their share is 0.
+template <class Lanes>
+Real mark_passed(const PairRows& p, const Lanes& lanes, const Real& gap, const Real& height, Edge& edge) {
+  const Real zero(0.0), one(1.0);
+  alignas(64) double before[kWidth];
+  bool any = edge.any;
+  for (int l = 0; l < kWidth; ++l) {
+    const bool passed = l < lanes.count() && p.points.state[lanes.begin() + l] == static_cast<int>(State::Passed);
+    before[l] = passed;
+    any = any || passed;
+  }
+  if (!any) return zero;
+  const Mask<Real> deep = gap < Real(-kPassedDepth) * height;
+  const Real is_new = select(edge.share > zero, zero, select(deep, one, zero));
+  const Real passed = select(gap < zero, max(collect<Real>(before), is_new), zero);
+  edge.share = select(passed > zero, zero, edge.share);
+  edge.fade = select(passed > zero, zero, edge.fade);
+  return passed;
+}
+
 template <class Lanes>
 inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, double& edge_energy) {
   const Real zero(0.0), half(0.5), one(1.0);
@@ -148,6 +168,8 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, doub
     return;
   }
 
+  const Real passed = mark_passed(p, lanes, gap, height, edge);
+
   // friction and damper at the common point (C4)
   const Real below = distance * below_share / height;  // a
   const Vec3 m = foot.w[0] * normal[0] + foot.w[1] * normal[1] + foot.w[2] * normal[2];
@@ -162,7 +184,7 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, doub
   }
   slip += common.distance * turned;
   const Vec3 start = carry_along(f, increment, n, load(lanes, p.points.stick));
-  const Force force = advance_points(p, lanes, {gap, height, edge.share, n, start, slip}, old_gap, sums);
+  const Force force = advance_points(p, lanes, {gap, height, edge.share, passed, n, start, slip}, old_gap, sums);
 
   // (C2), (C3): minus the gradient of the penalty energy
   const Real inverse_square = one / dot(f.area, f.area);
@@ -218,8 +240,8 @@ inline void advance_tool_pack(const ToolRows& p, const Lanes& lanes, Sums& sums,
   Vec3 slip = load(lanes, p.layer.increment) + side * load(lanes, p.layer.turn);
   slip.z -= Real(p.increment);
   const Vec3 stick = load(lanes, p.points.stick);
-  const Force force =
-      advance_points(p, lanes, {gap, h, Real(1.0), normal, lay_across(stick, normal, stick), slip}, old_gap, sums);
+  const Force force = advance_points(
+      p, lanes, {gap, h, Real(1.0), zero, normal, lay_across(stick, normal, stick), slip}, old_gap, sums);
   const Vec3 total = force.drag + force.pressing * gradient, pull = side * force.drag;
   store(lanes, out, 2, total);
   store(lanes, out + 1, 2, pull);

@@ -11,10 +11,15 @@ struct InterfaceLaw {
   double friction = 0;    ///< mu
 };
 
-enum class State : int { Open = 0, Stick = 1, Slide = 2 };
+/// Passed: the node left the partner across its edge, came by the far side, and is on its way past: nothing acts until
+/// it is back on its own side. Without this a node that returns above the partner would be a penetration of
+/// millimetres.
+enum class State : int { Open = 0, Stick = 1, Slide = 2, Passed = 3 };
 
 /// Share of an element by which a node may leave the partner's edge and still be held.
 inline constexpr double kEdgeMargin = 0.3;
+/// Depth, as a share of the height at which a pair touches, from which a node beyond the edge has passed.
+inline constexpr double kPassedDepth = 0.5;
 /// Weight below which a node has left its triangle: on a side it stays with the triangle it has.
 inline constexpr double kOnSide = -1e-9;
 

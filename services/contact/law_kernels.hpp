@@ -106,6 +106,7 @@ struct Force {
 
 struct Motion {
   Real gap, height, weight;
+  Real passed;               ///< 1: State::Passed, else 0
   Vec3 normal, start, slip;  ///< start: elastic stick, carried along and laid across the normal
 };
 
@@ -147,7 +148,8 @@ inline Force advance_points(const Rows& p, const Lanes& lanes, const Motion& m, 
   lanes.store(q.damping, damping);
   lanes.store(q.stick.x, q.stick.y, q.stick.z, stick);
   lanes.store(q.traction.x, q.traction.y, q.traction.z, traction);
-  const Real state = select(closed, select(slides, Real(2.0), Real(1.0)), zero);
+  const Real touching = select(slides, Real(2.0), Real(1.0));
+  const Real state = select(m.passed > zero, Real(3.0), select(closed, touching, zero));
   store_numbers(lanes, q.state, state);
   return {m.weight * area * elastic, (m.weight * area) * (traction - damping * m.normal)};
 }

@@ -92,7 +92,8 @@ Facing LayerInterface::follow(Eigen::Index i, double& edge) {
   int& triangle = triangle_[static_cast<std::size_t>(i)];
   const Vector3 x = at(lower_.position, i), n = at(lower_.normal, i);
   const Facing now = find_facing(*upper_.mesh, upper_.position, x, n, triangle);
-  if (now.triangle != triangle && (now.share < 1 || points_.weight(i) < 1)) {
+  const bool has_passed = points_.state(i) == static_cast<int>(State::Passed);  // its spring is off
+  if (now.triangle != triangle && (now.share < 1 || points_.weight(i) < 1) && !has_passed) {
     const auto spring = [&](const Facing& facing) {
       const Approach a = approach(i, facing);
       const double depth = std::max(0.0, a.height - a.distance);

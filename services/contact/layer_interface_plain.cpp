@@ -27,10 +27,14 @@ void LayerInterface::update_plainly(double dt) {
 
 void LayerInterface::update_point(Eigen::Index i, double dt) {
   const Vector3 n = at(lower_.normal, i);
-  const Approach now = approach(i, follow(i, energies_.edge));
+  const bool had_passed = points_.state(i) == static_cast<int>(State::Passed);
+  Approach now = approach(i, follow(i, energies_.edge));
+  const double gap = now.distance - now.height;
+  const bool passed = gap < 0 && (had_passed || (now.facing.share <= 0 && gap < -kPassedDepth * now.height));
+  if (passed) now.facing.share = 0;
   const double* w = now.facing.projection.weight;
   if (dt == 0) points_.height(i) = now.height;
-  if (stays_open(points_, i, now.distance - now.height, now.height, now.facing.share)) return;
+  if (stays_open(points_, i, gap, now.height, now.facing.share)) return;
 
   // friction and damper at the common point (C4)
   const double below = now.distance * lower_.half_thickness(i) / now.height;  // a
@@ -44,6 +48,7 @@ void LayerInterface::update_point(Eigen::Index i, double dt) {
       .slip = at(lower_.increment, i) + below * at(lower_.turn, i) - common.compute_increment(now.facet, upper_),
       .dt = dt};
   const PointForce force = advance_point(law_, points_, i, motion, energies_);
+  if (passed) points_.state(i) = static_cast<int>(State::Passed);
 
   // (C2), (C3): minus the gradient of the penalty energy
   const Vector3& along = now.facing.projection.facet_normal;  // N/(n.N)

@@ -144,6 +144,37 @@ TEST(Pairing, NodeBeyondTheEdgeIsLetGoGentlyAndTakenBack) {
   EXPECT_EQ(share(0.31), 0.0);
 }
 
+/// A layer leaves its partner sideways, rises past it, comes back above it, and goes round to its own side again.
+TEST(LayerInterface, NodesThatHavePassedTheEdgeAreFreeUntilTheyAreBackOnTheirSide) {
+  for (const bool plainly : {false, true}) {
+    Layer lower(1.0, 0, 1, 0.2), upper(0.7, 1.01, 1);
+    LayerInterface interface(kLaw, lower.geometry, upper.geometry);
+    const auto update = [&](double dt) { plainly ? interface.update_plainly(dt) : interface.update(dt); };
+    update(0);
+    const auto move = [&](const Vector3& from, const Vector3& to) {
+      constexpr int kSteps = 120;
+      double largest = 0;
+      for (int n = 1; n <= kSteps; ++n) {
+        const double s = static_cast<double>(n) / kSteps;
+        lower.move([&](Vector3 x) { return Vector3(x + (1 - s) * from + s * to); });
+        update(1e-6);
+        largest = std::max(largest, interface.force_on_lower().abs().maxCoeff());
+      }
+      return largest;
+    };
+    const Vector3 home(0, 0, 0), out(13, 0, 0), past(13, 0, 3), above(0, 0, 3);
+    EXPECT_EQ(move(home, out) + move(out, past) + move(past, above), 0);
+    EXPECT_TRUE((interface.points().state == static_cast<int>(State::Passed)).all());
+    EXPECT_EQ(interface.energies().stored + interface.energies().edge, 0);
+    EXPECT_EQ(move(above, past) + move(past, out) + move(out, home), 0);
+    EXPECT_TRUE((interface.points().state == static_cast<int>(State::Open)).all());
+    move(home, {0, 0, 0.014});
+    const auto inside = interface.points().weight == 1;
+    EXPECT_GT(inside.count(), 50);
+    EXPECT_LT((inside.cast<double>() * (interface.points().pressure - 2).abs()).maxCoeff(), 1e-10);
+  }
+}
+
 TEST(VertexNormals, OfASphereArePointingOutwards) {
   Layer cap(0.5, 0, 1);
   const double radius = 12;
