@@ -61,31 +61,31 @@ FabricLayer::FabricLayer(const scene::Layer& layer, double mass_scaling, const m
 void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                           mechanics::NodalVectors& force) {
   shell_.advance_edges(now.dt);
-  energy_ = own_ ? stretch_own_law(position, now) : stretch_woven(position, now);
-  shell_.reflect_facets();
-  energy_ += bend();
+  if (own_) stretch_own_law(position, now);
+  const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
+  const auto stretch = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) -> Eigen::Index {
+    MembraneResult& result = stretch_results_[static_cast<std::size_t>(block)];
+    if (!own_) result = stretch_woven(x, begin, end);
+    return result.failed;
+  };
+  const double* const phi = shell_.edges().angle().data();
+  const auto bend = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    block_energy_[static_cast<std::size_t>(block)] = kernels_.bend(shell_.rows(), phi, bending_, begin, end);
+  };
+  if (const Eigen::Index bad = shell_.run_passes(stretch, bend); bad >= 0) throw_divergence(bad, position, now.time);
+  energy_ = own_ ? own_energy_ : 0;
+  for (std::size_t block = 0; block < block_energy_.size(); ++block)
+    energy_ += stretch_results_[block].energy + block_energy_[block];
   edge_energy_ += shell_.compute_forces(now.dt, force);
 }
 
-double FabricLayer::stretch_woven(const mechanics::NodalVectors& x, const solve::Instant& now) {
-  const double* const rows[3] = {&x(0, 0), &x(1, 0), &x(2, 0)};
-  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    MembraneResult& result = stretch_results_[static_cast<std::size_t>(block)];
-    if (const auto* law = std::get_if<InvariantLaw>(&*law_))
-      result = kernels_.stretch_invariant(shell_.rows(), rows, law->parameters(), thickness_, begin, end);
-    else
-      result =
-          kernels_.stretch_tables(shell_.rows(), rows, std::get<TableLaw>(*law_).parameters(), thickness_, begin, end);
-  });
-  double energy = 0;
-  for (const MembraneResult& result : stretch_results_) {
-    if (result.failed >= 0) throw_divergence(result.failed, x, now.time);
-    energy += result.energy;
-  }
-  return energy;
+MembraneResult FabricLayer::stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const {
+  if (const auto* law = std::get_if<InvariantLaw>(&*law_))
+    return kernels_.stretch_invariant(shell_.rows(), x, law->parameters(), thickness_, begin, end);
+  return kernels_.stretch_tables(shell_.rows(), x, std::get<TableLaw>(*law_).parameters(), thickness_, begin, end);
 }
 
-double FabricLayer::stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now) {
+void FabricLayer::stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now) {
   mechanics::ShellPasses& passes = shell_.passes();
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
     const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
@@ -93,25 +93,14 @@ double FabricLayer::stretch_own_law(const mechanics::NodalVectors& x, const solv
     if (!is_usable(fibre_state(e), g.area_ratio)) throw_divergence(e, x, now.time);
   }
   if (const Eigen::Index e = own_->advance(passes.f1, passes.f2, x, now); e >= 0) throw_divergence(e, x, now.time);
-  double energy = 0;
+  own_energy_ = 0;
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
     if (!std::isfinite(own_->energy(e))) throw_divergence(e, x, now.time);
     const double volume = shell_.geometry().area(e) * thickness_;
     const MembraneStress S = own_->stress(e);
     passes.membrane.col(e) << volume * S.S11, volume * S.S22, volume * S.S12;
-    energy += volume * own_->energy(e);
+    own_energy_ += volume * own_->energy(e);
   }
-  return energy;
-}
-
-double FabricLayer::bend() {
-  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    block_energy_[static_cast<std::size_t>(block)] =
-        kernels_.bend(shell_.rows(), shell_.edges().angle().data(), bending_, begin, end);
-  });
-  double energy = 0;
-  for (const double w : block_energy_) energy += w;
-  return energy;
 }
 
 void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const {

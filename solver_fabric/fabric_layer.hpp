@@ -34,12 +34,10 @@ class FabricLayer final : public solve::LayerMechanics {
   void add_state_to(mechanics::Digest& digest) const override;
 
  private:
-  /// First pass of the user's own law, which wants the whole layer from one thread. @return energy, mJ
-  double stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now);
-  /// First pass of the woven laws. @return energy, mJ
-  double stretch_woven(const mechanics::NodalVectors& x, const solve::Instant& now);
-  /// Second pass: curvatures and moments. @return energy, mJ
-  double bend();
+  /// First pass of the user's own law, which wants the whole layer from one thread.
+  void stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now);
+  /// First pass of the woven laws. @param x  rows of the nodal positions
+  MembraneResult stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
   FibreState fibre_state(Eigen::Index e) const;
   Potential potential(Eigen::Index e) const;
@@ -57,6 +55,7 @@ class FabricLayer final : public solve::LayerMechanics {
   std::unique_ptr<VumatMembrane> own_;           ///< the user's law and its history, or null
   std::vector<MembraneResult> stretch_results_;  ///< [blocks]
   std::vector<double> block_energy_;             ///< of bending [blocks] mJ
+  double own_energy_ = 0;                        ///< of a user's own membrane, mJ
   double energy_ = 0;                            ///< of membrane and bending, mJ
   double edge_energy_ = 0;                       ///< of the edges and their damping, mJ
 };

@@ -116,18 +116,19 @@ void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position
   shell_.advance_edges(now.dt);
   if (own_) own_->begin(position, now);
   const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
-  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    blocks_[block].bad = kernels_.compute_facets(shell_.rows(), x, kSmallestAreaRatio, kLargestAreaRatio, begin, end);
-  });
-  throw_if_bad(position, now.time);
-  shell_.reflect_facets();
+  const auto facets = [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) -> Eigen::Index {
+    return kernels_.compute_facets(shell_.rows(), x, kSmallestAreaRatio, kLargestAreaRatio, begin, end);
+  };
   const double* const phi = shell_.edges().angle().data();
-  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    blocks_[block] =
+  const auto advance = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    blocks_[static_cast<std::size_t>(block)] =
         own_ ? advance_own(begin, end) : kernels_.advance(shell_.rows(), rows_, constants_, phi, begin, end);
-  });
-  throw_if_bad(position, now.time);
-  for (const SheetAdvance& block : blocks_) internal_energy_ += block.work;
+  };
+  if (const Eigen::Index bad = shell_.run_passes(facets, advance); bad >= 0) report(bad, position, now.time);
+  for (const SheetAdvance& block : blocks_) {
+    if (block.bad >= 0) report(block.bad, position, now.time);
+    internal_energy_ += block.work;
+  }
   internal_energy_ += shell_.compute_forces(now.dt, force);
 }
 
@@ -149,11 +150,6 @@ SheetAdvance MetalLayer::advance_own(Eigen::Index begin, Eigen::Index end) {
     }
   }
   return result;
-}
-
-void MetalLayer::throw_if_bad(const mechanics::NodalVectors& position, double time) const {
-  for (const SheetAdvance& block : blocks_)
-    if (block.bad >= 0) report(block.bad, position, time);
 }
 
 J2Point MetalLayer::load_point(int i, Eigen::Index e) const {

@@ -53,7 +53,6 @@ class MetalLayer : public solve::LayerMechanics {
   /// Stress, thickness and resultants of one of its elements; adds its stress work to `work`.
   Resultants advance_own_element(Eigen::Index e, const ElementShape& now, double& work);
   /// @throws mechanics::Divergence if a block reported an element
-  void throw_if_bad(const mechanics::NodalVectors& position, double time) const;
   CornerGradients compute_corner_gradients(Eigen::Index e) const;
   [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 

@@ -8,8 +8,8 @@ namespace {
 using simd::Index;
 using Real = simd::Pack;
 
-void reflect_facets(const ShellRows& s, const int* images, const double* const mirror[2], Index n) {
-  for (Index i = 0; i < n; ++i) {
+void reflect_facets(const ShellRows& s, const int* images, const double* const mirror[2], Index begin, Index end) {
+  for (Index i = begin; i < end; ++i) {
     const Index e = images[i] % s.n;
     const double twice = 2 * (mirror[0][i] * s.t3[0][e] + mirror[1][i] * s.t3[1][e]);
     s.t3[0][s.n + i] = s.t3[0][e] - twice * mirror[0][i];

@@ -23,9 +23,10 @@ struct EdgeEnergies {
 };
 
 struct ShellPassKernels {
-  /// Mirror images of the facets `images` (sides) of the symmetry edges, behind the elements in t3.
+  /// Mirror images [begin, end) of the facets `images` (sides) of the symmetry edges, behind the elements in t3.
   /// @param mirror  normal of the mirror plane of each image, rows x and y
-  void (*reflect_facets)(const ShellRows& shell, const int* images, const double* const mirror[2], std::ptrdiff_t n);
+  void (*reflect_facets)(const ShellRows& shell, const int* images, const double* const mirror[2], std::ptrdiff_t begin,
+                         std::ptrdiff_t end);
   /// Third pass: force of element e on its corner k, of membrane and bending (B5, B6), into column k n + e of `slot`,
   /// N.
   void (*compute_corner_forces)(const ShellRows& shell, double* const slot[3], std::ptrdiff_t begin,

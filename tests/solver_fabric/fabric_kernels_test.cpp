@@ -116,7 +116,7 @@ struct Ply {
     }
     const auto images = static_cast<std::ptrdiff_t>(shell.images.size());
     const double* const mirror[2] = {shell.image_plane.data(), shell.image_plane.data() + images};
-    common.reflect_facets(rows, shell.images.data(), mirror, images);
+    common.reflect_facets(rows, shell.images.data(), mirror, 0, images);
     for (Eigen::Index begin = 0; begin < n; begin += 37)
       r.energy += fabric.bend(rows, phi.data(), kBending, begin, std::min(n, begin + 37));
     NodalVectors slots(3, 3 * n);
