@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "support/in_process_run.hpp"
+#include "support/results.hpp"
 
 namespace {
 
@@ -56,8 +57,18 @@ TEST(PaperStudy, CouplingRaisesShearInTheLaminateAndHardlyInThePliesAlone) {
   };
   // 1: full and biaxial clearly above the other three
   EXPECT_GT(spread(fml), 0.02);
-  // 2: fabric comparable to uncoupled; the remaining differences are too small for this mesh
-  EXPECT_NEAR(fml["fabric"] / fml["uncoupled"], 1, 0.01);
+  // 2: full slightly below biaxial, normal_shear slightly below uncoupled, fabric comparable to uncoupled
+  for (auto* mean : {&fml, &plies}) {
+    EXPECT_LT((*mean)["full"], (*mean)["biaxial"]);
+    EXPECT_LT((*mean)["normal_shear"], (*mean)["uncoupled"]);
+  }
+  test::expect_result({.row = "V15",
+                       .quantity = "laminate, mean shear with variant fabric / with uncoupled",
+                       .source = "paper: comparable (the tables sample the same curves)",
+                       .reference = 1,
+                       .ours = fml["fabric"] / fml["uncoupled"],
+                       .tolerance = 0.01,
+                       .mesh = "20 mm"});
   // 3: the same order, with a much smaller spread
   EXPECT_GT(spread(plies), 0);
   EXPECT_LT(spread(plies), 0.5 * spread(fml));
