@@ -44,7 +44,11 @@ std::vector<InterfaceName> name_interfaces(const scene::Scene& scene) {
   return names;
 }
 
-Stack::Stack(const scene::Scene& scene) : scene_(scene), layers_(scene.layers.size()) {
+Stack::Stack(const scene::Scene& scene)
+    : scene_(scene),
+      workers_(scene.contact.threads),
+      run_([this](Eigen::Index n, const auto& body) { workers_.for_each(n, body); }),
+      layers_(scene.layers.size()) {
   double height = 0;
   for (int i = 0; i < n_layers(); ++i) {
     const scene::Layer& layer = scene.layers[static_cast<std::size_t>(i)];
@@ -132,12 +136,12 @@ void Stack::accept(int i, const exchange::Motion& motion, double dt) {
 
 void Stack::update_interfaces_of(int i, double dt) {
   const int top = n_layers() - 1;
-  if (i == 0) die_->update(dt);
-  if (i > 0 && layer(i - 1).is_here) between_[static_cast<std::size_t>(i) - 1]->update(dt);
-  if (i < top && layer(i + 1).is_here) between_[static_cast<std::size_t>(i)]->update(dt);
+  if (i == 0) die_->update(dt, run_);
+  if (i > 0 && layer(i - 1).is_here) between_[static_cast<std::size_t>(i) - 1]->update(dt, run_);
+  if (i < top && layer(i + 1).is_here) between_[static_cast<std::size_t>(i)]->update(dt, run_);
   if (i == top) {
-    blank_holder_->update(dt);
-    if (punch_) punch_->update(dt);
+    blank_holder_->update(dt, run_);
+    if (punch_) punch_->update(dt, run_);
   }
 }
 

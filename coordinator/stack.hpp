@@ -12,6 +12,7 @@
 #include "coordinator/pace.hpp"
 #include "exchange/link.hpp"
 #include "scene/scene.hpp"
+#include "solve/blocks.hpp"
 
 namespace interply::coordinator {
 
@@ -69,6 +70,8 @@ class Stack {
   void update_interfaces_of(int i, double dt);
 
   const scene::Scene& scene_;
+  solve::Workers workers_;
+  contact::BlockRunner run_;  ///< on the workers
   std::vector<LayerSlot> layers_;
   contact::Tool die_tool_, blank_holder_tool_, punch_tool_;
   std::unique_ptr<contact::ToolInterface> die_, blank_holder_, punch_;

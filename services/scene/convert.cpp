@@ -372,6 +372,7 @@ void map(Io& io, Contact& x) {
     contact("penetration", x.penetration);
     contact("damping", x.damping);
     contact("tangential_stiffness", x.tangential_stiffness);
+    contact("threads", x.threads);
   });
   io.block("friction", [&x](auto& friction) {
     friction("tool_steel", x.tool_steel);

@@ -176,6 +176,7 @@ struct Contact {
   double penetration = 0.02;        ///< allowed at the reference pressure / thinner layer's thickness
   double damping = 0.05;            ///< fraction of critical
   double tangential_stiffness = 1;  ///< / normal stiffness
+  int threads = 1;                  ///< worker threads of the coordinator
   double tool_steel = 0.10, tool_fabric = 0.15, steel_fabric = 0.25, fabric_fabric = 0.25, steel_steel = 0.15;
   std::vector<PairFriction> pairs;  ///< overrides between two named neighbours (layers or tools)
 };

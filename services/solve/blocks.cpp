@@ -3,6 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace interply::solve {
 
@@ -12,11 +13,15 @@ Workers::Workers(int threads) {
 
 void Workers::for_each_block(Eigen::Index n, const Body& body) {
   const auto run = [&](Eigen::Index block) { body(block, block * kBlockSize, std::min(n, (block + 1) * kBlockSize)); };
+  for_each(count_blocks(n), std::ref(run));
+}
+
+void Workers::for_each(Eigen::Index n, const std::function<void(Eigen::Index i)>& body) {
   if (!arena_) {
-    for (Eigen::Index block = 0; block < count_blocks(n); ++block) run(block);
+    for (Eigen::Index i = 0; i < n; ++i) body(i);
     return;
   }
-  arena_->execute([&] { tbb::parallel_for(Eigen::Index{0}, count_blocks(n), run); });
+  arena_->execute([&] { tbb::parallel_for(Eigen::Index{0}, n, body); });
 }
 
 }  // namespace interply::solve

@@ -14,7 +14,7 @@ inline constexpr Eigen::Index kBlockSize = 256;
 
 inline Eigen::Index count_blocks(Eigen::Index n) { return (n + kBlockSize - 1) / kBlockSize; }
 
-/// The worker threads of one layer. One thread means a plain loop that never touches oneTBB.
+/// The worker threads of one layer, or of the coordinator. One thread means a plain loop that never touches oneTBB.
 class Workers {
  public:
   /// Body of a loop: the number of its block and the points [begin, end) in it. Bodies of different blocks must write
@@ -26,6 +26,8 @@ class Workers {
 
   /// Calls `body` once for each block of the points [0, n).
   void for_each_block(Eigen::Index n, const Body& body);
+  /// Calls body(i) once for each i in [0, n).
+  void for_each(Eigen::Index n, const std::function<void(Eigen::Index i)>& body);
 
  private:
   std::unique_ptr<tbb::task_arena> arena_;  ///< none for one thread

@@ -1,6 +1,9 @@
 /// The same bits whatever the threads and whatever the order in which they arrive.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "simd/target.hpp"
 #include "support/in_process_run.hpp"
 
 namespace {
@@ -39,6 +42,19 @@ TEST(Digest, IsTheSameWhenRunTwice) { expect_same_bits(test::run_in_process(make
 TEST(Digest, DoesNotDependOnTheThreadsOfALayer) {
   expect_same_bits(test::run_in_process(make_scene({"layers.sheet_lower.threads=2", "layers.ply_1.threads=2",
                                                     "layers.ply_2.threads=3", "layers.sheet_upper.threads=2"})));
+}
+
+TEST(Digest, DoesNotDependOnTheThreadsOfTheCoordinator) {
+  for (const char* threads : {"contact.threads=2", "contact.threads=3"})
+    expect_same_bits(test::run_in_process(make_scene({threads})));
+}
+
+TEST(Digest, DoesNotDependOnTheWidthOfThePacks) {
+  if (simd::choose_target() != simd::Choice::Avx512) GTEST_SKIP() << "this machine has one width only";
+  setenv("INTERPLY_SIMD", "avx2", 1);
+  const auto narrow = test::run_in_process(make_scene());
+  unsetenv("INTERPLY_SIMD");
+  expect_same_bits(narrow);
 }
 
 TEST(Digest, DoesNotDependOnTheOrderOfArrival) {
