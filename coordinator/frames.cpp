@@ -15,7 +15,7 @@ std::vector<double> copy(const mechanics::Scalars& a) { return {a.data(), a.data
 
 std::vector<Field> describe_points(const contact::Points& p, double upper_sign) {
   // Tractions act on the upper partner; points hold what acts on their own node. The damped pressure is the true one.
-  const mechanics::NodalVectors traction = -upper_sign * p.traction;
+  const mechanics::NodalVectors traction = -upper_sign * p.traction();
   std::vector<double> gap = copy(p.gap), state(static_cast<std::size_t>(p.size()));
   for (Eigen::Index i = 0; i < p.size(); ++i) state[static_cast<std::size_t>(i)] = p.state(i);
   std::vector<Field> fields;

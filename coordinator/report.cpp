@@ -37,7 +37,7 @@ std::vector<int> find_rim(const mechanics::TriangleMesh& mesh) {
 
 DrawIn measure_draw_in(const LayerSlot& slot) {
   const auto& reference = slot.mesh.reference;
-  const auto& position = slot.geometry.position;
+  const mechanics::NodalVectors position = slot.geometry.positions();
   const double x_min = reference.row(0).minCoeff(), x_max = reference.row(0).maxCoeff();
   const double y_max = reference.row(1).maxCoeff();
   int ends[3] = {0, 0, 0};  // nodes nearest to (-x, 0), (+x, 0), (0, +y)

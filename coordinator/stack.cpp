@@ -47,17 +47,15 @@ std::vector<InterfaceName> name_interfaces(const scene::Scene& scene) {
 Stack::Stack(const scene::Scene& scene)
     : scene_(scene),
       workers_(scene.contact.threads),
-      run_([this](Eigen::Index n, const auto& body) { workers_.for_each(n, body); }),
+      run_([this](Eigen::Index n, const auto& body) { workers_.for_each(n, body); }, scene.contact.threads),
       layers_(scene.layers.size()) {
   double height = 0;
   for (int i = 0; i < n_layers(); ++i) {
     const scene::Layer& layer = scene.layers[static_cast<std::size_t>(i)];
     LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
     slot.mesh = solve::make_layer_mesh(scene, i);
-    slot.normals = std::make_unique<contact::VertexNormals>(slot.mesh);
-    slot.geometry = contact::LayerGeometry::at_rest(slot.mesh, *slot.normals, layer.thickness,
-                                                    layer.density * scene.time.mass_scaling);
-    mass_ += slot.geometry.mass.sum();
+    slot.geometry = {slot.mesh, layer.thickness, layer.density * scene.time.mass_scaling};
+    mass_ += slot.geometry.mass().sum();
     height += layer.thickness;
   }
 
@@ -72,21 +70,23 @@ Stack::Stack(const scene::Scene& scene)
   take(blank_holder_tool_, "blank_holder", placed.blank_holder);
   const int top = n_layers() - 1;
   const std::string &first = scene.layers.front().name, &last = scene.layers.back().name;
+  const auto scratch = std::make_shared<contact::Scratch>();
   die_ = std::make_unique<contact::ToolInterface>(make_law(kTool, 0, find_friction(scene, "die", first)),
-                                                  layer(0).geometry, die_tool_);
+                                                  layer(0).geometry, die_tool_, scratch);
   for (int i = 0; i < top; ++i) {
     const double friction = find_friction(scene, scene.layers[static_cast<std::size_t>(i)].name,
                                           scene.layers[static_cast<std::size_t>(i) + 1].name);
     between_.push_back(std::make_unique<contact::LayerInterface>(make_law(i, i + 1, friction), layer(i).geometry,
-                                                                 layer(i + 1).geometry));
+                                                                 layer(i + 1).geometry, scratch));
   }
-  blank_holder_ = std::make_unique<contact::ToolInterface>(
-      make_law(top, kTool, find_friction(scene, last, "blank_holder")), layer(top).geometry, blank_holder_tool_);
+  blank_holder_ =
+      std::make_unique<contact::ToolInterface>(make_law(top, kTool, find_friction(scene, last, "blank_holder")),
+                                               layer(top).geometry, blank_holder_tool_, scratch);
   if (placed.punch.shape) {
     take(punch_tool_, "punch", placed.punch);
     punch_start_ = punch_tool_.z;
     punch_ = std::make_unique<contact::ToolInterface>(make_law(top, kTool, find_friction(scene, last, "punch")),
-                                                      layer(top).geometry, punch_tool_);
+                                                      layer(top).geometry, punch_tool_, scratch);
   }
 
   double compliance = 0;  // of all interfaces in series
@@ -128,7 +128,7 @@ void Stack::begin_step() {
 void Stack::accept(int i, const exchange::Motion& motion, double dt) {
   LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
   slot.geometry.move_to(motion.position);
-  if (motion.thickness.size() > 0) slot.geometry.half_thickness = 0.5 * motion.thickness;
+  if (motion.thickness.size() > 0) slot.geometry.set_half_thickness(0.5 * motion.thickness);
   slot.vote = motion.vote;
   slot.is_here = true;
   update_interfaces_of(i, dt);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "contact/layer_interface.hpp"
-#include "contact/normals.hpp"
 #include "contact/tool_interface.hpp"
 #include "coordinator/blank_holder.hpp"
 #include "coordinator/pace.hpp"
@@ -20,7 +19,6 @@ namespace interply::coordinator {
 struct LayerSlot {
   mechanics::TriangleMesh mesh;
   contact::LayerGeometry geometry;
-  std::unique_ptr<contact::VertexNormals> normals;
   double vote = 0;           ///< latest stable increment of the layer alone, s
   bool is_here = false;      ///< its motion of this step has arrived
   bool is_answered = false;  ///< its force of this step has been handed out

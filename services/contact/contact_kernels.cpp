@@ -10,37 +10,59 @@ namespace {
 /// The facets that the lanes face.
 struct Facet {
   Indices node[3];
-  Vec3 x[3], u, v, area;  ///< corners, x_2 - x_1, x_3 - x_1, u x v
+  Vec3 x[3], u, v, area;   ///< corners, x_2 - x_1, x_3 - x_1, u x v
+  Real half_thickness[3];  ///< at the corners
 };
 
-template <class Lanes>
-inline Facet load_facet(const PairRows& p, const Lanes& lanes) {
-  const Indices t = lanes.load(p.triangle);
-  Facet f;
+inline void load_facet(const PairRows& p, const Indices& t, Facet& f) {
   for (int k = 0; k < 3; ++k) {
     for (int l = 0; l < kWidth; ++l) f.node[k][l] = p.corner[k][t[l]];
-    f.x[k] = gather(p.upper.position, f.node[k]);
+    const Record corner = gather<&Node::position>(p.upper, f.node[k]);
+    f.x[k] = corner.xyz;
+    f.half_thickness[k] = corner.w;
   }
   f.u = f.x[1] - f.x[0];
   f.v = f.x[2] - f.x[0];
   f.area = cross(f.u, f.v);
-  return f;
 }
 
 /// A point projected along a direction, as in pairing.hpp.
 struct Foot {
-  Real w[3], distance, inverse;  ///< 1/(n.(u x v))
+  Real w[3], distance;
+  Real rise, inverse;  ///< n.(u x v) and one over it
 };
 
 inline Foot project(const Facet& f, const Vec3& x, const Vec3& n) {
   const Vec3 r = x - f.x[0];
   Foot foot;
-  foot.inverse = Real(1.0) / dot(n, f.area);
+  foot.rise = dot(n, f.area);
+  foot.inverse = Real(1.0) / foot.rise;
   foot.w[1] = dot(n, cross(r, f.v)) * foot.inverse;
   foot.w[2] = dot(n, cross(f.u, r)) * foot.inverse;
   foot.w[0] = Real(1.0) - foot.w[1] - foot.w[2];
   foot.distance = -(dot(r, f.area) * foot.inverse);
   return foot;
+}
+
+/// project(f, x + a n, m) for a point whose foot along n is known.
+inline Foot project_again(const Facet& f, const Foot& foot, const Vec3& n, const Real& a, const Vec3& m) {
+  const Vec3 q = cross(m, n);
+  const Real above = a - foot.distance;  // of the plane along n
+  Foot next;
+  next.rise = dot(m, f.area);
+  next.inverse = Real(1.0) / next.rise;
+  const Real scale = above * next.inverse;
+  next.w[1] = foot.w[1] + scale * dot(q, f.v);
+  next.w[2] = foot.w[2] - scale * dot(q, f.u);
+  next.w[0] = Real(1.0) - next.w[1] - next.w[2];
+  next.distance = -(scale * foot.rise);
+  return next;
+}
+
+/// Lanes whose nodes have left their triangles (law.hpp).
+inline Mask<Real> has_left(const Foot& foot) {
+  const Real *w = foot.w, least = min(min(w[0], w[1]), w[2]), most = max(max(w[0], w[1]), w[2]);
+  return least < Real(kOnSide) && (least <= Real(-kAtCorner) || most <= Real(1 - kAtCorner));
 }
 
 /// Share of the nodes that are beyond the partner's edge, and the gradient of the weight w_k that says so.
@@ -51,24 +73,47 @@ struct Edge {
   Real by_2 = Real(0.0), by_3 = Real(0.0);  ///< dw_k/dw_2, dw_k/dw_3 at w_1 = 1 - w_2 - w_3
 };
 
-/// Lets the lanes that have left their triangles walk; facets and feet are then those of the new ones.
+/// Lets the lanes that have left their triangles walk; facets and feet are then those of the new ones. Together as long
+/// as they go from neighbour to neighbour inside the partner, which is what find_facing() does, else on their own.
 template <class Lanes>
-Edge walk(const PairRows& p, const Lanes& lanes, const Vec3& x, const Vec3& n, const Real& least, Facet& facet,
-          Foot& foot, double& edge_energy) {
-  alignas(64) double smallest[kWidth], share[kWidth], fade[kWidth], by_2[kWidth], by_3[kWidth];
+[[gnu::noinline]] Edge walk(const PairRows& p, const Lanes& lanes, const Vec3& x, const Vec3& n, Facet& facet,
+                            Foot& foot, double& edge_energy) {
+  constexpr int kTogether = 3;
+  unsigned alone = 0;  // bits of the lanes
+  Indices t = lanes.load(p.triangle);
+  for (int walked = 0;; ++walked) {
+    unsigned out = find_lanes(lanes, has_left(foot)) & ~alone;
+    if (out == 0) break;
+    alignas(64) double side[kWidth];  // opposite the most negative weight
+    write_lanes(side, select(foot.w[2] < min(foot.w[0], foot.w[1]), Real(2.0),
+                             select(foot.w[1] < foot.w[0], Real(1.0), Real(0.0))));
+    for (; out != 0; out &= out - 1) {
+      const int l = __builtin_ctz(out), next = p.neighbour[static_cast<int>(side[l])][t[l]];
+      if (next < 0 || walked == kTogether || p.points.weight[lanes.begin() + l] < 1)
+        alone |= 1u << l;
+      else
+        t[l] = next;
+    }
+    for (int l = lanes.count(); l < kWidth; ++l) t[l] = t[lanes.count() - 1];
+    load_facet(p, t, facet);
+    foot = project(facet, x, n);
+  }
+  for (int l = 0; l < lanes.count(); ++l)
+    if (!(alone >> l & 1)) p.triangle[lanes.begin() + l] = t[l];
+  if (alone == 0) return {};
+
+  alignas(64) double share[kWidth], fade[kWidth], by_2[kWidth], by_3[kWidth];
   int beyond[kWidth];
   bool any = false;
-  spread(least, smallest);
   for (int l = 0; l < kWidth; ++l) {
-    beyond[l] = -1;
-    if (l < lanes.count() && smallest[l] < kOnSide) beyond[l] = p.walk(p.owner, lanes.begin() + l, edge_energy);
+    beyond[l] = alone >> l & 1 ? p.walk(p.owner, lanes.begin() + l, edge_energy) : -1;
     any = any || beyond[l] >= 0;
   }
-  facet = load_facet(p, lanes);
+  load_facet(p, lanes.load(p.triangle), facet);
   foot = project(facet, x, n);
   if (!any) return {};
   alignas(64) double w[3][kWidth];
-  for (int k = 0; k < 3; ++k) spread(foot.w[k], w[k]);
+  for (int k = 0; k < 3; ++k) write_lanes(w[k], foot.w[k]);
   for (int l = 0; l < kWidth; ++l) {
     const int k = beyond[l];
     share[l] = k < 0 ? 1 : simd::max(0.0, 1 + w[k][l] / kEdgeMargin);
@@ -76,7 +121,7 @@ Edge walk(const PairRows& p, const Lanes& lanes, const Vec3& x, const Vec3& n, c
     by_2[l] = k == 0 ? -1 : k == 1 ? 1 : 0;
     by_3[l] = k == 0 ? -1 : k == 2 ? 1 : 0;
   }
-  return {true, collect<Real>(share), collect<Real>(fade), collect<Real>(by_2), collect<Real>(by_3)};
+  return {true, read_lanes<Real>(share), read_lanes<Real>(fade), read_lanes<Real>(by_2), read_lanes<Real>(by_3)};
 }
 
 /// The smooth surface above a facet, (C1), in parts: side i runs from corner i to j = i + 1,
@@ -121,6 +166,7 @@ inline Vec3 carry_along(const Facet& f, const Vec3 increment[3], const Vec3& n, 
 template <class Lanes>
 Real mark_passed(const PairRows& p, const Lanes& lanes, const Real& gap, const Real& height, Edge& edge) {
   const Real zero(0.0), one(1.0);
+  if (!edge.any && simd::all(lanes.load(p.points.weight) > zero)) return zero;  // who has passed has no weight
   alignas(64) double before[kWidth];
   bool any = edge.any;
   for (int l = 0; l < kWidth; ++l) {
@@ -131,29 +177,29 @@ Real mark_passed(const PairRows& p, const Lanes& lanes, const Real& gap, const R
   if (!any) return zero;
   const Mask<Real> deep = gap < Real(-kPassedDepth) * height;
   const Real is_new = select(edge.share > zero, zero, select(deep, one, zero));
-  const Real passed = select(gap < zero, max(collect<Real>(before), is_new), zero);
+  const Real passed = select(gap < zero, max(read_lanes<Real>(before), is_new), zero);
   edge.share = select(passed > zero, zero, edge.share);
   edge.fade = select(passed > zero, zero, edge.fade);
   return passed;
 }
 
 template <class Lanes>
-inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, double& edge_energy) {
+inline void advance_pack(const PairRows& p, const Lanes& lanes, Quad* upper_force, Sums& sums, double& edge_energy) {
   const Real zero(0.0), half(0.5), one(1.0);
-  const Vec3 x = load(lanes, p.lower.position), n = load(lanes, p.lower.normal);
-  Facet f = load_facet(p, lanes);
+  const Record own = load<&Node::position>(lanes, p.lower);
+  const Vec3 x = own.xyz, n = load<&Node::normal>(lanes, p.lower).xyz;
+  Facet f;
+  load_facet(p, lanes.load(p.triangle), f);
   Foot foot = project(f, x, n);
   Edge edge;
-  const Real least = min(min(foot.w[0], foot.w[1]), foot.w[2]);
-  if (any(least < Real(kOnSide))) edge = walk(p, lanes, x, n, least, f, foot, edge_energy);
+  if (any(has_left(foot))) edge = walk(p, lanes, x, n, f, foot, edge_energy);
 
   // gap, (C1)
   Vec3 normal[3];
-  Real height = lanes.load(p.lower.half_thickness);
-  const Real below_share = height;  // h_l
+  Real height = own.w;
   for (int k = 0; k < 3; ++k) {
-    normal[k] = gather(p.upper.normal, f.node[k]);
-    height += foot.w[k] * gather<Real>(p.upper.half_thickness, f.node[k]);
+    normal[k] = gather<&Node::normal>(p.upper, f.node[k]).xyz;
+    height += foot.w[k] * f.half_thickness[k];
   }
   const Rise rise = compute_rise(f, normal, foot.w);
   const Real distance = foot.distance + rise.value, gap = distance - height, old_gap = lanes.load(p.points.gap);
@@ -171,16 +217,16 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, doub
   const Real passed = mark_passed(p, lanes, gap, height, edge);
 
   // friction and damper at the common point (C4)
-  const Real below = distance * below_share / height;  // a
+  const Real below = distance * own.w / height;  // a
   const Vec3 m = foot.w[0] * normal[0] + foot.w[1] * normal[1] + foot.w[2] * normal[2];
-  const Foot common = project(f, x + below * n, m);
+  const Foot common = project_again(f, foot, n, below, m);
   Vec3 increment[3];
-  Vec3 slip = load(lanes, p.lower.increment) + below * load(lanes, p.lower.turn);
+  Vec3 slip = load<&Node::increment>(lanes, p.lower).xyz + below * load<&Node::turn>(lanes, p.lower).xyz;
   Vec3 turned{zero, zero, zero};
   for (int k = 0; k < 3; ++k) {
-    increment[k] = gather(p.upper.increment, f.node[k]);
+    increment[k] = gather<&Node::increment>(p.upper, f.node[k]).xyz;
     slip -= common.w[k] * increment[k];
-    turned += foot.w[k] * gather(p.upper.turn, f.node[k]);
+    turned += foot.w[k] * gather<&Node::turn>(p.upper, f.node[k]).xyz;
   }
   slip += common.distance * turned;
   const Vec3 start = carry_along(f, increment, n, load(lanes, p.points.stick));
@@ -204,23 +250,41 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Sums& sums, doub
   store(lanes, lower, 2, force.drag - push);
   store(lanes, lower + 1, 2, below * force.drag - foot.distance * push);
   const Vec3 side[3] = {f.u, f.x[2] - f.x[1], f.x[0] - f.x[2]};
+  Real alpha[3], beta[3];
+  for (int k = 0; k < 3; ++k) {
+    alpha[k] = force.pressing * rise.alpha[k];
+    beta[k] = force.pressing * rise.beta[k];
+  }
   for (int k = 0; k < 3; ++k) {
     const int before = (k + 2) % 3, after = (k + 1) % 3;  // sides that end and begin at corner k
-    const Vec3 on_corner = (rise.beta[before] + rise.alpha[k]) * normal[k] - rise.alpha[before] * normal[before] -
-                           rise.beta[k] * normal[after];
-    const Vec3 on_normal = rise.beta[before] * side[before] - rise.alpha[k] * side[k];
-    Quad* const upper = p.upper_force + 6 * lanes.begin() + 2 * k;
-    store(lanes, upper, 6, foot.w[k] * push + force.pressing * on_corner - common.w[k] * force.drag);
-    store(lanes, upper + 1, 6, force.pressing * on_normal + (common.distance * foot.w[k]) * force.drag);
+    const Vec3 on_corner =
+        (beta[before] + alpha[k]) * normal[k] - alpha[before] * normal[before] - beta[k] * normal[after];
+    const Vec3 on_normal = beta[before] * side[before] - alpha[k] * side[k];
+    Quad* const upper = upper_force + 2 * k;
+    store(lanes, upper, 6, foot.w[k] * push + on_corner - common.w[k] * force.drag);
+    store(lanes, upper + 1, 6, on_normal + (common.distance * foot.w[k]) * force.drag);
   }
 }
 
-void advance_pairs(const PairRows& p, Index begin, Index end, InterfaceEnergies& energies) {
+void advance_pairs(const PairRows& p, Index begin, Index end, Quad* upper_force, InterfaceEnergies& energies) {
   Sums sums(begin);
   double edge_energy = 0;
-  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { advance_pack(p, lanes, sums, edge_energy); });
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
+    advance_pack(p, lanes, upper_force + 6 * (lanes.begin() - begin), sums, edge_energy);
+  });
   sums.add_to(energies);
   energies.edge += edge_energy;
+}
+
+void add_upper_forces(const PairRows& p, Index begin, Index end, const Quad* upper_force, Quad* records) {
+  for (Index i = begin; i < end; ++i, upper_force += 6) {
+    if (!p.touches[i]) continue;
+    for (int k = 0; k < 3; ++k) {
+      Quad* const to = records + 2 * p.corner[k][p.triangle[i]];
+      add_to(to[0], contact::load(upper_force[2 * k]));
+      add_to(to[1], contact::load(upper_force[2 * k + 1]));
+    }
+  }
 }
 
 template <class Lanes>
@@ -228,16 +292,19 @@ inline void advance_tool_pack(const ToolRows& p, const Lanes& lanes, Sums& sums,
                               simd::Sum<Real> (&moment_sum)[3]) {
   const Real zero(0.0);
   Quad* const out = p.force + 2 * lanes.begin();
-  const Real gap = lanes.load(p.gap), old_gap = lanes.load(p.points.gap), h = lanes.load(p.layer.half_thickness);
+  const Real gap = lanes.load(p.gap), old_gap = lanes.load(p.points.gap);
+  const Record position = load<&Node::position>(lanes, p.layer);
+  const Real& h = position.w;
   if (!any(min(gap, old_gap) < zero)) {  // open, and stays so
     lanes.store(p.points.gap, gap);
     lanes.store(p.points.height, h);
     for (int l = 0; l < 2 * lanes.count(); ++l) out[l] = {};
     return;
   }
-  const Vec3 gradient = load(lanes, p.gradient), n = load(lanes, p.layer.normal), normal = Real(-1.0) * gradient;
+  const Vec3 gradient = load(lanes, p.gradient), n = load<&Node::normal>(lanes, p.layer).xyz,
+             normal = Real(-1.0) * gradient;
   const Real side = select(dot(gradient, n) > zero, -h, h);  // of the layer's surface that faces the tool
-  Vec3 slip = load(lanes, p.layer.increment) + side * load(lanes, p.layer.turn);
+  Vec3 slip = load<&Node::increment>(lanes, p.layer).xyz + side * load<&Node::turn>(lanes, p.layer).xyz;
   slip.z -= Real(p.increment);
   const Vec3 stick = load(lanes, p.points.stick);
   const Force force = advance_points(
@@ -245,7 +312,7 @@ inline void advance_tool_pack(const ToolRows& p, const Lanes& lanes, Sums& sums,
   const Vec3 total = force.drag + force.pressing * gradient, pull = side * force.drag;
   store(lanes, out, 2, total);
   store(lanes, out + 1, 2, pull);
-  const Vec3 moment = cross(load(lanes, p.layer.position), total) + cross(n, pull);
+  const Vec3 moment = cross(position.xyz, total) + cross(n, pull);
   force_sum[0].add(lanes, total.x);
   force_sum[1].add(lanes, total.y);
   force_sum[2].add(lanes, total.z);
@@ -272,7 +339,7 @@ ToolSums advance_tool(const ToolRows& p, Index begin, Index end) {
 
 template <>
 const ContactKernels& get_contact_kernels<simd::Target>() {
-  static constexpr ContactKernels kernels{advance_tool, advance_pairs};
+  static constexpr ContactKernels kernels{advance_tool, advance_pairs, add_upper_forces};
   return kernels;
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "contact/law.hpp"
-#include "contact/quad.hpp"
+#include "contact/node.hpp"
 #include "simd/target.hpp"
 
 namespace interply::contact {
@@ -17,17 +17,11 @@ struct Rows {
   double *x, *y, *z;
 };
 
-/// A layer at one instant, as in LayerGeometry.
-struct LayerRows {
-  ConstRows position, increment, normal, turn;
-  const double* half_thickness;
-};
-
 /// The points of an interface, as in Points.
 struct PointRows {
   const double* area;
-  double *gap, *weight, *pressure, *damping, *slip, *height;
-  Rows stick, traction;
+  double *gap, *weight, *pressure, *slip, *height;
+  Rows stick;
   int* state;
 };
 
@@ -35,16 +29,16 @@ struct PointRows {
 struct PairRows {
   InterfaceLaw law;
   double dt;  ///< s; 0 at the start of a run
-  LayerRows lower, upper;
-  const int* corner[3];  ///< of the triangles of `upper`
-  const int* triangle;   ///< that each node faces [n]
+  const Node *lower, *upper;
+  const int *corner[3], *neighbour[3];  ///< of the triangles of `upper`
+  int* triangle;                        ///< that each node faces [n]
   PointRows points;
   Quad* lower_force;       ///< force on node i of the lower layer and pull on its normal, in 2 i and 2 i + 1
-  Quad* upper_force;       ///< the same for the corners k of the triangle, in 6 i + 2 k and 6 i + 2 k + 1
-  unsigned char* touches;  ///< 0: nothing acts at point i, and its `upper_force` is not filled [n]
+  unsigned char* touches;  ///< 0: nothing acts at point i [n]
   void* owner;
-  /// Called for node i if it has left its triangle: finds the one it faces now and returns the corner opposite the
-  /// partner's edge that the node is beyond, or -1; adds what the change puts into the springs to `edge`, mJ.
+  /// Called for node i if it has left its triangle near the partner's edge or goes far: finds the one it faces now and
+  /// returns the corner opposite the edge that the node is beyond, or -1; adds what the change puts into the springs to
+  /// `edge`, mJ.
   int (*walk)(void* owner, std::ptrdiff_t i, double& edge);
 };
 
@@ -53,7 +47,7 @@ struct ToolRows {
   InterfaceLaw law;
   double dt;         ///< s; 0 at the start of a run
   double increment;  ///< of the tool along z, mm
-  LayerRows layer;
+  const Node* layer;
   ConstRows gradient;  ///< of the distance [n]
   const double* gap;   ///< [n] mm
   PointRows points;
@@ -71,8 +65,15 @@ struct ContactKernels {
   /// Advances the points [begin, end) and fills the forces. Points that were open and stay so are left as they are, but
   /// for gap, height and their force, zero.
   ToolSums (*advance_tool)(const ToolRows& tool, std::ptrdiff_t begin, std::ptrdiff_t end);
-  /// Advances the points [begin, end) and fills the forces. Adds to all energies but the work.
-  void (*advance_pairs)(const PairRows& pair, std::ptrdiff_t begin, std::ptrdiff_t end, InterfaceEnergies& energies);
+  /// Advances the points [begin, end) and fills the forces: those on the upper layer, of the corners k of the facet
+  /// that point begin + i faces, into 6 i + 2 k (on the node) and 6 i + 2 k + 1 (on its normal) of `upper_force` if the
+  /// point touches. Adds to all energies but the work.
+  void (*advance_pairs)(const PairRows& pair, std::ptrdiff_t begin, std::ptrdiff_t end, Quad* upper_force,
+                        InterfaceEnergies& energies);
+  /// Adds them to the records of the nodes of the upper layer in the order of the points: which corners they add to
+  /// changes as they slide.
+  void (*add_upper_forces)(const PairRows& pair, std::ptrdiff_t begin, std::ptrdiff_t end, const Quad* upper_force,
+                           Quad* records);
 };
 
 template <class Target>

@@ -22,6 +22,10 @@ inline constexpr double kEdgeMargin = 0.3;
 inline constexpr double kPassedDepth = 0.5;
 /// Weight below which a node has left its triangle: on a side it stays with the triangle it has.
 inline constexpr double kOnSide = -1e-9;
+/// All weights are within this of those of a corner: the node stays too. Nodes of matching meshes lie at corners, and
+/// every vibration would have them walk. All facets around a corner have the same tangent plane there: at 1e-4 of an
+/// element their distances differ by 1e-8 of its sagitta.
+inline constexpr double kAtCorner = 1e-4;
 
 /// Energies of one interface since the start, mJ; each accumulated from its own quantities.
 struct InterfaceEnergies {

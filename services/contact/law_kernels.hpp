@@ -2,26 +2,11 @@
 #pragma once
 
 #include "contact/kernels.hpp"
-#include "simd/pack.hpp"
+#include "contact/record_packs.hpp"
 
 namespace interply::contact {
 namespace {
 
-using simd::any;
-using simd::dot;
-using simd::gather;
-using simd::Index;
-using simd::Mask;
-using simd::max;
-using simd::min;
-using simd::select;
-using simd::sqrt;
-using Real = simd::Pack;
-using Vec3 = simd::Vec3<Real>;
-constexpr int kWidth = simd::kWidth<Real>;
-using Indices = std::array<int, kWidth>;
-
-inline Vec3 gather(const ConstRows& rows, const Indices& i) { return gather<Real>(rows.x, rows.y, rows.z, i); }
 template <class Lanes>
 inline Vec3 load(const Lanes& lanes, const ConstRows& rows) {
   return lanes.load(rows.x, rows.y, rows.z);
@@ -31,51 +16,27 @@ inline Vec3 load(const Lanes& lanes, const Rows& rows) {
   return lanes.load(rows.x, rows.y, rows.z);
 }
 
-/// A pack as an array of its lanes, and back.
-template <class R>
-inline void spread(const R& a, double* to) {
-  if constexpr (simd::kWidth<R> == 1)
-    *to = a;
-  else
-    a.store_aligned(to);
-}
-template <class R>
-inline R collect(const double* from) {
-  if constexpr (simd::kWidth<R> == 1)
-    return *from;
-  else
-    return R::load_aligned(from);
+/// Bit l: `m` holds in lane l.
+template <class Lanes>
+inline unsigned find_lanes(const Lanes& lanes, const Mask<Real>& m) {
+#if defined(INTERPLY_TARGET_AVX512)
+  const unsigned bits = m.data;
+#elif defined(INTERPLY_TARGET_AVX2)
+  const auto bits = static_cast<unsigned>(_mm256_movemask_pd(m.data));
+#else
+  const unsigned bits = m;
+#endif
+  return bits & ((1u << lanes.count()) - 1);
 }
 
 /// Stores whole numbers.
 template <class Lanes>
 inline void store_numbers(const Lanes& lanes, int* row, const Real& a) {
   alignas(64) double values[kWidth];
-  spread(a, values);
+  write_lanes(values, a);
   int numbers[kWidth];
   for (int l = 0; l < kWidth; ++l) numbers[l] = static_cast<int>(values[l]);
   for (int l = 0; l < lanes.count(); ++l) row[lanes.begin() + l] = numbers[l];
-}
-
-/// Stores the vectors of the lanes into records `stride` apart.
-template <class Lanes>
-inline void store(const Lanes& lanes, Quad* first, Index stride, const Vec3& a) {
-  alignas(64) double rows[3][kWidth];
-  spread(a.x, rows[0]);
-  spread(a.y, rows[1]);
-  spread(a.z, rows[2]);
-  if constexpr (kWidth == 1) {
-    *first = {rows[0][0], rows[1][0], rows[2][0], 0};
-  } else {
-    for (int l = 0; l < kWidth; l += 4) {
-      Four q[4];
-      for (int d = 0; d < 3; ++d) q[d] = *reinterpret_cast<const Four*>(rows[d] + l);
-      q[3] = Four{0, 0, 0, 0};
-      transpose(q[0], q[1], q[2], q[3]);
-      for (int k = 0; k < 4; ++k)
-        if (l + k < lanes.count()) contact::store(first[(l + k) * stride], q[k]);
-    }
-  }
 }
 
 /// The elastic stick e across the normal after `carried`, of the same length.
@@ -117,7 +78,8 @@ inline Force advance_points(const Rows& p, const Lanes& lanes, const Motion& m, 
   const PointRows& q = p.points;
   const Mask<Real> closed = m.gap < zero;
   const Real area = lanes.load(q.area), both = half * area;
-  const Real old_weight = lanes.load(q.weight), old_damping = lanes.load(q.damping);
+  const Real old_weight = lanes.load(q.weight), old_elastic = select(old_gap < zero, -(k * old_gap), zero);
+  const Real old_damping = lanes.load(q.pressure) - old_elastic;
   const Real old_height = p.dt == 0 ? m.height : lanes.load(q.height);
   const Real closing = dot(m.slip, m.normal);
   const Real elastic = select(closed, -(k * m.gap), zero);
@@ -129,25 +91,29 @@ inline Force advance_points(const Rows& p, const Lanes& lanes, const Motion& m, 
   const Mask<Real> slides = kt * length > limit;
   const Real kept = select(slides, limit / (kt * length), Real(1.0));
   const Vec3 stick = kept * trial, slide = trial - stick, traction = -kt * stick;
-  const Vec3 old_traction = load(lanes, q.traction);
+  const Vec3 old_traction = -kt * load(lanes, q.stick);
 
   sums.friction.add(lanes, -(both * dot(old_weight * old_traction + m.weight * traction, slide)));
   sums.damping.add(lanes, both * (old_weight * old_damping + m.weight * damping) * closing);
-  sums.thinning.add(lanes, both * (old_weight * (lanes.load(q.pressure) - old_damping) + m.weight * elastic) *
-                               (m.height - old_height));
+  sums.thinning.add(lanes, both * (old_weight * old_elastic + m.weight * elastic) * (m.height - old_height));
   sums.edge.add(lanes, both * kt * (m.weight - old_weight) * dot(m.start, stick));
   const Real depth = min(m.gap, zero);
   sums.stored.add(lanes, both * m.weight * (k * depth * depth + kt * dot(stick, stick)));
 
-  const Real slipped = sqrt(dot(slide, slide));
-  lanes.store(q.slip, lanes.load(q.slip) + select(min(m.gap, old_gap) < zero, slipped, zero));
+  const Real slipped = (Real(1.0) - kept) * length;
+  const auto store_changed = [&](double* row, const Real& old, const Real& now) {  // clean cache lines stay clean
+    if (any(now != old)) lanes.store(row, now);
+  };
+  const Real old_slip = lanes.load(q.slip);
+  store_changed(q.slip, old_slip, old_slip + select(min(m.gap, old_gap) < zero, slipped, zero));
+  store_changed(q.weight, old_weight, m.weight);
+  if (p.dt == 0)
+    lanes.store(q.height, m.height);
+  else
+    store_changed(q.height, old_height, m.height);
   lanes.store(q.gap, m.gap);
-  lanes.store(q.weight, m.weight);
-  lanes.store(q.height, m.height);
   lanes.store(q.pressure, pressure);
-  lanes.store(q.damping, damping);
   lanes.store(q.stick.x, q.stick.y, q.stick.z, stick);
-  lanes.store(q.traction.x, q.traction.y, q.traction.z, traction);
   const Real touching = select(slides, Real(2.0), Real(1.0));
   const Real state = select(m.passed > zero, Real(3.0), select(closed, touching, zero));
   store_numbers(lanes, q.state, state);

@@ -1,32 +1,99 @@
 #include "contact/layer_geometry.hpp"
 
+#include "contact/fours.hpp"
+
 namespace interply::contact {
 
 using Eigen::Index;
 
-LayerGeometry LayerGeometry::at_rest(const mechanics::TriangleMesh& mesh, VertexNormals& normals, double thickness,
-                                     double density) {
-  const NodalVectors zero = NodalVectors::Zero(3, mesh.n_nodes());
-  LayerGeometry g{.mesh = &mesh, .normals = &normals, .position = mesh.reference};
-  g.increment = g.normal = g.turn = zero;
-  g.half_thickness = Scalars::Constant(mesh.n_nodes(), 0.5 * thickness);
-  g.mass = mechanics::compute_lumped_mass(mesh, thickness, density);
-  g.move_to(mesh.reference);
-  g.turn = zero;
-  return g;
+LayerGeometry::LayerGeometry(const mechanics::TriangleMesh& mesh, double thickness, double density)
+    : mesh_(&mesh),
+      nodes_(static_cast<std::size_t>(mesh.n_nodes())),
+      mass_(mechanics::compute_lumped_mass(mesh, thickness, density)),
+      area_(nodes_.size()),
+      length_(mesh.n_nodes()),
+      sideways_(Scalars::Ones(mesh.n_nodes())) {
+  for (const int i : mesh.symmetry_nodes) sideways_(i) = 0;
+  for (Index i = 0; i < mesh.n_nodes(); ++i) set(node(i).position, mechanics::at(mesh.reference, i));
+  set_half_thickness(Scalars::Constant(mesh.n_nodes(), 0.5 * thickness));
+  move_to(mesh.reference);
+  for (Node& node : nodes_) node.turn = {};
 }
 
-void LayerGeometry::move_to(const NodalVectors& x) {
-  for (int d = 0; d < 3; ++d) {
-    const double* from = &x(d, 0);
-    double *to = &position(d, 0), *by = &increment(d, 0);
-    for (Index i = 0; i < position.cols(); ++i) {
-      const double next = from[i];
-      by[i] = next - to[i];
-      to[i] = next;
-    }
+void LayerGeometry::move_to(const NodalVectors& to) {
+  const double* const x[3] = {&to(0, 0), &to(1, 0), &to(2, 0)};
+  const int *first = &mesh_->triangles(0, 0), *second = &mesh_->triangles(1, 0), *third = &mesh_->triangles(2, 0);
+  Node* const nodes = nodes_.data();
+  Quad* const area = area_.data();
+  for_each_four(n_nodes(), [&](Index i, int count) {
+    const Vectors old = gather(
+        i, count, [&](Index k) -> auto& { return nodes[k].position; });
+    const Vectors now{load_row(x[0], i, count), load_row(x[1], i, count), load_row(x[2], i, count), old.w};
+    scatter(
+        i, count, now, [&](Index k) -> auto& { return nodes[k].position; });
+    scatter(
+        i, count,
+        {now.x - old.x, now.y - old.y, now.z - old.z, Four{}}, [&](Index k) -> auto& { return nodes[k].increment; });
+    for (int l = 0; l < count; ++l) store(area[i + l], Four{});
+  });
+  for (Index e = 0; e < mesh_->n_elements(); ++e) {
+    const int a = first[e], b = second[e], c = third[e];
+    const Four origin = load(nodes[a].position);
+    const Four twice = cross(load(nodes[b].position) - origin, load(nodes[c].position) - origin);
+    add_to(area[a], twice);
+    add_to(area[b], twice);
+    add_to(area[c], twice);
   }
-  normals->compute(position, normal, turn);
+  for_each_four(n_nodes(), [&](Index i, int count) {
+    const auto normal = [&](Index k) -> auto& { return nodes[k].normal; };
+    Vectors s = gather(
+        i, count, [&](Index k) -> auto& { return area[k]; });
+    s.y *= load_row(sideways_.data(), i, count);
+    const Four length = sqrt(s.x * s.x + s.y * s.y + s.z * s.z), inverse = 1 / length;
+    store_row(length_.data(), i, count, length);
+    const Vectors old = gather(i, count, normal);
+    const Vectors now{inverse * s.x, inverse * s.y, inverse * s.z, Four{}};
+    scatter(i, count, now, normal);
+    scatter(
+        i, count,
+        {now.x - old.x, now.y - old.y, now.z - old.z, Four{}}, [&](Index k) -> auto& { return nodes[k].turn; });
+  });
+}
+
+void LayerGeometry::set_half_thickness(const Scalars& half) {
+  for (Index i = 0; i < n_nodes(); ++i) node(i).position.w = half(i);
+}
+
+NodalVectors LayerGeometry::positions() const {
+  NodalVectors x(3, n_nodes());
+  for (Index i = 0; i < n_nodes(); ++i) x.col(i) = position(i).array();
+  return x;
+}
+
+void LayerGeometry::add_forces_of_pulls(Quad* records) const {
+  const int *first = &mesh_->triangles(0, 0), *second = &mesh_->triangles(1, 0), *third = &mesh_->triangles(2, 0);
+  const Node* const nodes = nodes_.data();
+  for_each_four(n_nodes(), [&](Index i, int count) {  // pulls on normals to pulls on sums of area vectors
+    const auto pull = [&](Index k) -> auto& { return records[2 * k + 1]; };
+    const Vectors n = gather(
+        i, count, [&](Index k) -> auto& { return nodes[k].normal; });
+    const Vectors p = gather(i, count, pull);
+    const Four along = p.x * n.x + p.y * n.y + p.z * n.z, inverse = 1 / load_row(length_.data(), i, count);
+    scatter(i, count,
+            {(p.x - along * n.x) * inverse, (p.y - along * n.y) * inverse * load_row(sideways_.data(), i, count),
+             (p.z - along * n.z) * inverse, Four{}},
+            pull);
+  });
+  const Quad* const pull = records + 1;
+  for (Index e = 0; e < mesh_->n_elements(); ++e) {  // s is a sum of u x v over the triangles
+    const int a = first[e], b = second[e], c = third[e];
+    const Four q = load(pull[2 * a]) + load(pull[2 * b]) + load(pull[2 * c]);
+    const Four origin = load(nodes[a].position);
+    const Four on_b = cross(load(nodes[c].position) - origin, q), on_c = cross(q, load(nodes[b].position) - origin);
+    add_to(records[2 * a], -on_b - on_c);
+    add_to(records[2 * b], on_b);
+    add_to(records[2 * c], on_c);
+  }
 }
 
 }  // namespace interply::contact

@@ -1,7 +1,9 @@
 /// What contact needs to know of one layer at one instant.
 #pragma once
 
-#include "contact/normals.hpp"
+#include <vector>
+
+#include "contact/node.hpp"
 #include "mechanics/mesh.hpp"
 
 namespace interply::contact {
@@ -10,22 +12,58 @@ using mechanics::NodalVectors;
 using mechanics::Scalars;
 using mechanics::Vector3;
 
-struct LayerGeometry {
-  const mechanics::TriangleMesh* mesh = nullptr;
-  VertexNormals* normals = nullptr;
-  NodalVectors position;   ///< x(n)                        [3 x n_nodes] mm
-  NodalVectors increment;  ///< x(n) - x(n - 1)             [3 x n_nodes] mm
-  NodalVectors normal;     ///< n, averaged vertex normals, up  [3 x n_nodes]
-  NodalVectors turn;       ///< n(n) - n(n - 1)             [3 x n_nodes]
-  Scalars half_thickness;  ///< current                     [n_nodes]     mm
-  Scalars mass;            ///< lumped                      [n_nodes]     t
+inline Vector3 to_vector(const Quad& q) { return {q.x, q.y, q.z}; }
+inline void set(Quad& q, const Vector3& a) {
+  q.x = a.x();
+  q.y = a.y();
+  q.z = a.z();
+}
 
-  /// A flat layer at rest in its reference position; keeps pointers to both. @param thickness, density  mm, t/mm3
-  static LayerGeometry at_rest(const mechanics::TriangleMesh& mesh, VertexNormals& normals, double thickness,
-                               double density);
+/// Nodes of a layer with the direction along which gaps are measured: area-weighted averaged unit normals of the
+/// deformed midsurface, pointing up for a flat blank. Nodes of the symmetry plane y = 0 get n_y = 0, as their mirrored
+/// other half would give.
+///
+/// The loops over the triangles add to their corners: every sum has the order of the mesh. What a triangle gives is not
+/// kept, for memory is what these loops wait for.
+class LayerGeometry {
+ public:
+  using Index = Eigen::Index;
+  LayerGeometry() = default;
+  /// A flat layer at rest in its reference position. Keeps a pointer to the mesh.
+  /// @param thickness, density  mm, t/mm3
+  LayerGeometry(const mechanics::TriangleMesh& mesh, double thickness, double density);
 
-  /// On to x(n): position, increment, normals and their turn.
+  /// On to x(n): position, increment, normals and their turn. @param x  [3 x n_nodes] mm
   void move_to(const NodalVectors& x);
+  /// @param half  current, mm [n_nodes]
+  void set_half_thickness(const Scalars& half);
+
+  const mechanics::TriangleMesh& mesh() const { return *mesh_; }
+  Index n_nodes() const { return static_cast<Index>(nodes_.size()); }
+  const Node* nodes() const { return nodes_.data(); }
+  const Node& node(Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  Node& node(Index i) { return nodes_[static_cast<std::size_t>(i)]; }
+  Vector3 position(Index i) const { return to_vector(node(i).position); }    ///< x(n), mm
+  Vector3 increment(Index i) const { return to_vector(node(i).increment); }  ///< x(n) - x(n - 1), mm
+  Vector3 normal(Index i) const { return to_vector(node(i).normal); }        ///< n, unit
+  Vector3 turn(Index i) const { return to_vector(node(i).turn); }            ///< n(n) - n(n - 1)
+  double half_thickness(Index i) const { return node(i).position.w; }        ///< current, mm
+  const Scalars& mass() const { return mass_; }                              ///< lumped [n_nodes] t
+  NodalVectors positions() const;                                            ///< [3 x n_nodes] mm
+
+  /// Nodal forces of an energy that depends on the normals. `records` [2 x n_nodes] has in 2 i the force on node i,
+  /// which is added to, and in 2 i + 1 the pull on its normal, minus the derivative of the energy by it, mJ, which is
+  /// overwritten. What is added sums up to zero.
+  /// @pre the last move_to() was to the positions of that energy
+  void add_forces_of_pulls(Quad* records) const;
+
+ private:
+  const mechanics::TriangleMesh* mesh_ = nullptr;
+  std::vector<Node> nodes_;
+  Scalars mass_;
+  std::vector<Quad> area_;  ///< 2 s_i, s_i the sum of the area vectors around node i; n_i = s_i/|s_i| [n_nodes] mm2
+  Scalars length_;          ///< 2 |s_i| [n_nodes] mm2
+  Scalars sideways_;        ///< 0 for nodes held in the symmetry plane, else 1 [n_nodes]
 };
 
 }  // namespace interply::contact

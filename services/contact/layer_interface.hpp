@@ -27,12 +27,14 @@ namespace interply::contact {
 class LayerInterface {
  public:
   /// Pairs every node of `lower` with the triangle of `upper` it faces. Both stay where they are for the whole run.
-  LayerInterface(const InterfaceLaw& law, const LayerGeometry& lower, const LayerGeometry& upper);
+  /// @param scratch  shared with interfaces that are not updated at the same time
+  LayerInterface(const InterfaceLaw& law, const LayerGeometry& lower, const LayerGeometry& upper,
+                 std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>());
 
   /// Advances all points to the layers' current positions and fills the forces on both faces.
   /// @param dt   increment that led here, s; 0 for the initial state
   /// @param run  blocks.hpp; the results do not depend on it
-  void update(double dt, const BlockRunner& run = run_serially);
+  void update(double dt, const BlockRunner& run = {});
 
   /// The same point by point in the plain form of the equations: what update() must agree with to round-off.
   void update_plainly(double dt);
@@ -60,7 +62,7 @@ class LayerInterface {
   /// beyond the edge to `edge`.
   Facing follow(Eigen::Index i, double& edge);
   PairRows describe(double dt);
-  void add_upper_forces();
+  Quad* forces_of(Eigen::Index block) { return &scratch_->points[static_cast<std::size_t>(6 * kBlockSize * block)]; }
   void update_point(Eigen::Index i, double dt);
 
   InterfaceLaw law_;
@@ -69,8 +71,8 @@ class LayerInterface {
   const LayerGeometry& upper_;
   Points points_;
   std::vector<int> triangle_;  ///< that each node of the lower layer faces
+  std::shared_ptr<Scratch> scratch_;
   FaceForces on_lower_, on_upper_;
-  std::vector<Quad> upper_force_;       ///< of each point on the corners it faces, kernels.hpp
   std::vector<unsigned char> touches_;  ///< 0: nothing acts at the point
   std::vector<InterfaceEnergies> block_energies_;
   InterfaceEnergies energies_;

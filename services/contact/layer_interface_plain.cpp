@@ -26,7 +26,7 @@ void LayerInterface::update_plainly(double dt) {
 }
 
 void LayerInterface::update_point(Eigen::Index i, double dt) {
-  const Vector3 n = at(lower_.normal, i);
+  const Vector3 n = lower_.normal(i);
   const bool had_passed = points_.state(i) == static_cast<int>(State::Passed);
   Approach now = approach(i, follow(i, energies_.edge));
   const double gap = now.distance - now.height;
@@ -38,14 +38,14 @@ void LayerInterface::update_point(Eigen::Index i, double dt) {
 
   // friction and damper at the common point (C4)
   const double below = now.distance * lower_.half_thickness(i) / now.height;  // a
-  const CommonPoint common(now.facet, w, at(lower_.position, i) + below * n);
+  const CommonPoint common(now.facet, w, lower_.position(i) + below * n);
   const PointMotion motion{
       .distance = now.distance,
       .height = now.height,
       .weight = now.facing.share,
       .normal = n,
-      .stick = carry_along(now.facet, upper_.increment, at(points_.stick, i)),
-      .slip = at(lower_.increment, i) + below * at(lower_.turn, i) - common.compute_increment(now.facet, upper_),
+      .stick = carry_along(now.facet, upper_, at(points_.stick, i)),
+      .slip = lower_.increment(i) + below * lower_.turn(i) - common.compute_increment(now.facet, upper_),
       .dt = dt};
   const PointForce force = advance_point(law_, points_, i, motion, energies_);
   if (passed) points_.state(i) = static_cast<int>(State::Passed);

@@ -4,20 +4,19 @@
 #include <vector>
 
 #include "contact/law.hpp"
-#include "mechanics/mesh.hpp"
+#include "contact/layer_geometry.hpp"
 
 namespace interply::contact {
 
 /// Projection of a point along a direction onto the plane of a triangle.
 struct Projection {
-  double weight[3] = {};            ///< barycentric, sum 1
-  double distance = 0;              ///< from the point along the direction, mm
-  mechanics::Vector3 facet_normal;  ///< N/(n.N): the gradient of -distance by the point
+  double weight[3] = {};  ///< barycentric, sum 1
+  double distance = 0;    ///< from the point along the direction, mm
+  Vector3 facet_normal;   ///< N/(n.N): the gradient of -distance by the point
 };
 
 /// @param x  point   @param n  unit direction   @param a, b, c  corners
-Projection project(const mechanics::Vector3& x, const mechanics::Vector3& n, const mechanics::Vector3& a,
-                   const mechanics::Vector3& b, const mechanics::Vector3& c);
+Projection project(const Vector3& x, const Vector3& n, const Vector3& a, const Vector3& b, const Vector3& c);
 
 /// A node and the place it faces. Beyond the partner's edge the weights are those of the extended facet, one of them
 /// negative.
@@ -29,18 +28,15 @@ struct Facing {
 };
 
 /// The facing of a node that is held to triangle `t`, whether it is above it or not.
-Facing hold(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
-            const mechanics::Vector3& x, const mechanics::Vector3& normal, int t);
+Facing hold(const LayerGeometry& partner, const Vector3& x, const Vector3& normal, int t);
 
 /// Projects along the normal, starting at `triangle` and walking across the side with the most negative weight.
 /// Beyond the partner's edge the last triangle is kept (so that the node can come back) with share 0 if it is too far.
-Facing find_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
-                   const mechanics::Vector3& x, const mechanics::Vector3& normal, int triangle);
+Facing find_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal, int triangle);
 
 /// The same by trying every triangle: the nearest along the normal of those that hold the foot point (the first of
 /// equals), else the one whose smallest weight is largest. For the start of a run, and as the reference that walking
 /// must agree with.
-int search_facing(const mechanics::TriangleMesh& partner, const mechanics::NodalVectors& partner_position,
-                  const mechanics::Vector3& x, const mechanics::Vector3& normal);
+int search_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal);
 
 }  // namespace interply::contact

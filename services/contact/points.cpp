@@ -14,17 +14,16 @@ double compute_damping(double fraction, double stiffness, double mass_per_area_1
   return 2 * fraction * std::sqrt(stiffness * reduced);
 }
 
-Points::Points(const Scalars& areas)
+Points::Points(const Scalars& areas, double tangential_stiffness)
     : area(areas),
       gap(Scalars::Zero(areas.size())),
       weight(Scalars::Ones(areas.size())),
       pressure(Scalars::Zero(areas.size())),
-      damping(Scalars::Zero(areas.size())),
       stick(NodalVectors::Zero(3, areas.size())),
-      traction(NodalVectors::Zero(3, areas.size())),
       slip(Scalars::Zero(areas.size())),
       height(Scalars::Zero(areas.size())),
-      state(Eigen::ArrayXi::Zero(areas.size())) {}
+      state(Eigen::ArrayXi::Zero(areas.size())),
+      tangential(tangential_stiffness) {}
 
 void PenetrationSample::add(const Points& points, double thickness) {
   for (Eigen::Index i = 0; i < points.size(); ++i) {

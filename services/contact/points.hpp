@@ -35,20 +35,22 @@ inline double compute_turning_factor(double offset, double area) {
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the
 /// partner receives the opposite.
 struct Points {
-  Scalars area;           ///< A   tributary area, reference                               [n]      mm2
-  Scalars gap;            ///< g   along the normal, > 0 open                              [n]      mm
-  Scalars weight;         ///< share of the area that still faces the partner, 1 inside    [n]
-  Scalars pressure;       ///< p   with damping, >= 0                                      [n]      MPa
-  Scalars damping;        ///< p - k max(-g, 0)                                            [n]      MPa
-  NodalVectors stick;     ///< e   elastic tangential displacement of node against partner [3 x n]  mm
-  NodalVectors traction;  ///< tau on the node, -k_t e                                     [3 x n]  MPa
-  Scalars slip;           ///< accumulated plastic slip                                    [n]      mm
-  Scalars height;         ///< sum of the half thicknesses between the midsurfaces         [n]      mm
-  Eigen::ArrayXi state;   ///< State                                                       [n]
+  Scalars area;          ///< A   tributary area, reference                               [n]      mm2
+  Scalars gap;           ///< g   along the normal, > 0 open                              [n]      mm
+  Scalars weight;        ///< share of the area that still faces the partner, 1 inside    [n]
+  Scalars pressure;      ///< p   with damping, >= 0                                      [n]      MPa
+  NodalVectors stick;    ///< e   elastic tangential displacement of node against partner [3 x n]  mm
+  Scalars slip;          ///< accumulated plastic slip                                    [n]      mm
+  Scalars height;        ///< sum of the half thicknesses between the midsurfaces         [n]      mm
+  Eigen::ArrayXi state;  ///< State                                                       [n]
 
-  explicit Points(const Scalars& areas);
+  double tangential = 0;  ///< k_t                                                                  N/mm3
+
+  /// @param tangential_stiffness  k_t, N/mm3
+  Points(const Scalars& areas, double tangential_stiffness);
   Points() = default;
   Eigen::Index size() const { return area.size(); }
+  NodalVectors traction() const { return -tangential * stick; }  ///< tau on the node, -k_t e [3 x n] MPa
 };
 
 /// What a point sees in one step. The normal points from the node to its partner.
@@ -83,8 +85,10 @@ inline bool stays_open(Points& points, Eigen::Index i, double gap, double height
 /// @pre not stays_open()
 inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::Index i, const PointMotion& m,
                                 InterfaceEnergies& energies) {
-  const double old_pressure = points.pressure(i), old_damping = points.damping(i);
   const double old_weight = points.weight(i);
+  const double old_elastic = points.gap(i) < 0 ? -law.stiffness * points.gap(i) : 0.0;
+  const double old_damping = points.pressure(i) - old_elastic;
+  const Vector3 old_traction = -law.tangential * mechanics::at(points.stick, i);
   const double gap = m.distance - m.height;
   const double closing = m.slip.dot(m.normal);
   double elastic = 0, pressure = 0;
@@ -111,10 +115,9 @@ inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::
   const Vector3 traction = -law.tangential * stick;
   const double area = points.area(i);
   const double both = 0.5 * area;
-  energies.friction -= both * (old_weight * mechanics::at(points.traction, i) + m.weight * traction).dot(slide);
+  energies.friction -= both * (old_weight * old_traction + m.weight * traction).dot(slide);
   energies.damping += both * (old_weight * old_damping + m.weight * (pressure - elastic)) * closing;
-  energies.thinning +=
-      both * (old_weight * (old_pressure - old_damping) + m.weight * elastic) * (m.height - points.height(i));
+  energies.thinning += both * (old_weight * old_elastic + m.weight * elastic) * (m.height - points.height(i));
   energies.edge += both * law.tangential * (m.weight - old_weight) * start.dot(stick);
   energies.stored += m.weight * area *
                      (0.5 * (gap < 0 ? law.stiffness * gap * gap : 0.0) + 0.5 * law.tangential * stick.squaredNorm());
@@ -123,13 +126,9 @@ inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::
   points.weight(i) = m.weight;
   points.height(i) = m.height;
   points.pressure(i) = pressure;
-  points.damping(i) = pressure - elastic;
   points.slip(i) += slide.norm();
   points.state(i) = static_cast<int>(state);
-  for (int d = 0; d < 3; ++d) {
-    points.stick(d, i) = stick(d);
-    points.traction(d, i) = traction(d);
-  }
+  for (int d = 0; d < 3; ++d) points.stick(d, i) = stick(d);
   return {.pressing = m.weight * area * elastic,
           .drag = m.weight * area * (traction - (pressure - elastic) * m.normal)};
 }

@@ -1,11 +1,11 @@
 /// A 3-vector of one node or triangle as a record of four doubles, for what is read and added by number: one load, one
-/// addition. Every machine that interply runs on handles it the same way, so there is nothing to choose here.
+/// addition.
 #pragma once
 
 namespace interply::contact {
 
 struct alignas(32) Quad {
-  double x = 0, y = 0, z = 0, unused = 0;
+  double x = 0, y = 0, z = 0, w = 0;
 };
 
 namespace {  // these are compiled for different machines in kernel sources (simd/target.hpp)
@@ -15,6 +15,12 @@ using Four = double __attribute__((vector_size(32), may_alias));
 inline Four load(const Quad& q) { return *reinterpret_cast<const Four*>(&q); }
 inline void store(Quad& q, Four a) { *reinterpret_cast<Four*>(&q) = a; }
 inline void add_to(Quad& q, Four a) { store(q, load(q) + a); }
+inline Four load_four(const double* row) {
+  Four a;
+  __builtin_memcpy(&a, row, sizeof a);
+  return a;
+}
+inline void store_four(double* row, Four a) { __builtin_memcpy(row, &a, sizeof a); }
 
 inline Four turn_axes(Four a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
 inline Four cross(Four a, Four b) { return turn_axes(a * turn_axes(b) - turn_axes(a) * b); }

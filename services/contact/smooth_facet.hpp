@@ -15,9 +15,9 @@ struct SmoothFacet {
 
   SmoothFacet(const LayerGeometry& layer, int triangle) {
     for (int k = 0; k < 3; ++k) {
-      node[k] = layer.mesh->triangles(k, triangle);
-      x[k] = mechanics::at(layer.position, node[k]);
-      n[k] = mechanics::at(layer.normal, node[k]);
+      node[k] = layer.mesh().triangles(k, triangle);
+      x[k] = layer.position(node[k]);
+      n[k] = layer.normal(node[k]);
     }
     u = x[1] - x[0];
     v = x[2] - x[0];
@@ -64,11 +64,10 @@ inline Rise compute_rise(const SmoothFacet& f, const double w[3]) {
 
 /// A vector that rides on the facet: the same combination of u, v and u x v as it was of theirs a step ago. Turns
 /// exactly with a rigid motion.
-/// @param increment  x(n) - x(n - 1) of the layer
-inline Vector3 carry_along(const SmoothFacet& f, const NodalVectors& increment, const Vector3& e) {
-  const Vector3 first = mechanics::at(increment, f.node[0]);
-  const Vector3 u = f.u - (mechanics::at(increment, f.node[1]) - first);
-  const Vector3 v = f.v - (mechanics::at(increment, f.node[2]) - first);
+inline Vector3 carry_along(const SmoothFacet& f, const LayerGeometry& layer, const Vector3& e) {
+  const Vector3 first = layer.increment(f.node[0]);
+  const Vector3 u = f.u - (layer.increment(f.node[1]) - first);
+  const Vector3 v = f.v - (layer.increment(f.node[2]) - first);
   const Vector3 area = u.cross(v);
   const double inverse = 1 / area.squaredNorm();
   return inverse * (e.dot(v.cross(area)) * f.u + e.dot(area.cross(u)) * f.v + e.dot(area) * f.area);
@@ -94,9 +93,7 @@ struct CommonPoint {
   /// Its displacement in the last step, mm.
   Vector3 compute_increment(const SmoothFacet& f, const LayerGeometry& layer) const {
     Vector3 sum = Vector3::Zero();
-    for (int k = 0; k < 3; ++k)
-      sum += by_corner[k] * mechanics::at(layer.increment, f.node[k]) +
-             by_normal[k] * mechanics::at(layer.turn, f.node[k]);
+    for (int k = 0; k < 3; ++k) sum += by_corner[k] * layer.increment(f.node[k]) + by_normal[k] * layer.turn(f.node[k]);
     return sum;
   }
 };

@@ -10,33 +10,36 @@ namespace interply::contact {
 
 using mechanics::at;
 
-ToolInterface::ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool)
+ToolInterface::ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool,
+                             std::shared_ptr<Scratch> scratch)
     : law_(law),
       kernels_(choose_contact_kernels()),
       layer_(layer),
       tool_(tool),
-      points_(mechanics::compute_tributary_areas(*layer.mesh)),
-      slack_(Scalars::Zero(layer.mesh->n_nodes())),
-      near_(layer.half_thickness.maxCoeff()),
+      points_(mechanics::compute_tributary_areas(layer.mesh()), law.tangential),
+      slack_(Scalars::Zero(layer.n_nodes())),
+      near_(0),
       gap_(points_.gap),
-      gradient_(NodalVectors::Zero(3, layer.mesh->n_nodes())),
-      on_layer_(layer),
+      gradient_(NodalVectors::Zero(3, layer.n_nodes())),
+      scratch_(std::move(scratch)),
+      on_layer_(layer, scratch_->lower),
       block_sums_(static_cast<std::size_t>(count_blocks(points_.size()))),
       block_touches_(block_sums_.size()) {
   gradient_.row(2) = 1;
+  for (Eigen::Index i = 0; i < layer.n_nodes(); ++i) near_ = std::max(near_, layer.half_thickness(i));
 }
 
 /// Distances of those of the nodes [begin, end) that may be near. Returns whether one of them touches or did.
 bool ToolInterface::evaluate(Eigen::Index begin, Eigen::Index end) {
-  const double *x = &layer_.increment(0, 0), *y = &layer_.increment(1, 0), *z = &layer_.increment(2, 0);
   for (Eigen::Index i = begin; i < end; ++i) {
-    const double by = z[i] - tool_.increment;
-    slack_(i) -= std::sqrt(x[i] * x[i] + y[i] * y[i] + by * by);
+    const Quad& by = layer_.node(i).increment;
+    const double down = by.z - tool_.increment;
+    slack_(i) -= std::sqrt(by.x * by.x + by.y * by.y + down * down);
   }
   bool touches = false;  // nodes that touch have no slack
   for (Eigen::Index i = begin; i < end; ++i) {
     if (slack_(i) > 0) continue;
-    const Distance d = tool_.shape->evaluate(at(layer_.position, i) - Vector3(0, 0, tool_.z));
+    const Distance d = tool_.shape->evaluate(layer_.position(i) - Vector3(0, 0, tool_.z));
     gap_(i) = d.value - layer_.half_thickness(i);
     for (int k = 0; k < 3; ++k) gradient_(k, i) = d.gradient(k);
     slack_(i) = gap_(i) - 0.5 * near_;  // thickness changes are far smaller than this margin
@@ -49,7 +52,7 @@ void ToolInterface::update(double dt, const BlockRunner& run) {
   const ToolRows rows{.law = law_,
                       .dt = dt,
                       .increment = tool_.increment,
-                      .layer = get_rows(layer_),
+                      .layer = layer_.nodes(),
                       .gradient = get_rows(std::as_const(gradient_)),
                       .gap = gap_.data(),
                       .points = get_rows(points_),
@@ -64,7 +67,7 @@ void ToolInterface::update(double dt, const BlockRunner& run) {
     block_sums_[b] = {};
     std::fill(rows.force + 2 * begin, rows.force + 2 * end, Quad{});
     points_.gap.segment(begin, end - begin) = gap_.segment(begin, end - begin);
-    points_.height.segment(begin, end - begin) = layer_.half_thickness.segment(begin, end - begin);
+    for (Eigen::Index i = begin; i < end; ++i) points_.height(i) = layer_.half_thickness(i);
   });
   old_tool_force_ = tool_.force;
   tool_.force.setZero();
@@ -92,7 +95,7 @@ void ToolInterface::update_plainly(double dt) {
   const Vector3 tool_increment(0, 0, tool_.increment);
   bool touches = false;
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
-    const Vector3 x = at(layer_.position, i), n = at(layer_.normal, i);
+    const Vector3 x = layer_.position(i), n = layer_.normal(i);
     const Distance d = tool_.shape->evaluate(x - Vector3(0, 0, tool_.z));
     const double height = layer_.half_thickness(i);
     if (dt == 0) points_.height(i) = height;
@@ -103,7 +106,7 @@ void ToolInterface::update_plainly(double dt) {
                              .weight = 1,
                              .normal = -d.gradient,
                              .stick = at(points_.stick, i),
-                             .slip = at(layer_.increment, i) - tool_increment + side * at(layer_.turn, i),
+                             .slip = layer_.increment(i) - tool_increment + side * layer_.turn(i),
                              .dt = dt};
     const PointForce force = advance_point(law_, points_, i, motion, energies_);
     const Vector3 total = force.drag + force.pressing * d.gradient, pull = side * force.drag;
@@ -120,7 +123,7 @@ void ToolInterface::add_rates_to(Scalars& rate) const {
   const double stiffness = std::max(law_.stiffness, law_.tangential);
   for (Eigen::Index i = 0; i < points_.size(); ++i)
     if (is_near(i))
-      rate(i) += stiffness * points_.area(i) / layer_.mass(i) *
+      rate(i) += stiffness * points_.area(i) / layer_.mass()(i) *
                  compute_turning_factor(layer_.half_thickness(i), points_.area(i));
 }
 

@@ -25,11 +25,13 @@ struct Tool {
 
 class ToolInterface {
  public:
-  ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool);
+  /// @param scratch  as in LayerInterface
+  ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool,
+                std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>());
 
   /// Advances all points and the force on the tool. Nodes that cannot have come near since their distance was last
   /// evaluated (a distance field is 1-Lipschitz) are skipped. @param dt, run  as in LayerInterface
-  void update(double dt, const BlockRunner& run = run_serially);
+  void update(double dt, const BlockRunner& run = {});
   /// The same point by point: what update() must agree with to round-off.
   void update_plainly(double dt);
 
@@ -56,6 +58,7 @@ class ToolInterface {
   double near_;            ///< gap below which a node counts for the stable increment, mm
   Scalars gap_;            ///< of the nodes that are near, else as in points_ [n] mm
   NodalVectors gradient_;  ///< of the distance
+  std::shared_ptr<Scratch> scratch_;
   FaceForces on_layer_;
   std::vector<ToolSums> block_sums_;
   std::vector<unsigned char> block_touches_;  ///< 0: nothing acts in the block

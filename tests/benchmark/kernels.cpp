@@ -50,10 +50,8 @@ BENCHMARK_CAPTURE(metal_layer, plastic, 2e-3);
 void contact_interface(benchmark::State& state) {
   struct Layer {
     mechanics::TriangleMesh mesh;
-    contact::VertexNormals normals;
     contact::LayerGeometry geometry;
-    explicit Layer(double z) : mesh(make_blank(4, z)), normals(mesh) {
-      geometry = contact::LayerGeometry::at_rest(mesh, normals, 1, 1e-9);
+    explicit Layer(double z) : mesh(make_blank(4, z)), geometry(mesh, 1, 1e-9) {
       geometry.move_to(deform(mesh, 20, 0));
     }
   } lower(0), upper(0.99);
@@ -66,12 +64,13 @@ void contact_interface(benchmark::State& state) {
   std::int64_t n = 0;
   double direction = 0.01;
   NodalVectors shifted;
+  const NodalVectors still = upper.geometry.positions();
   for (auto _ : state) {
     if (n % 100 == 50) direction = -direction;
-    shifted = lower.geometry.position;
+    shifted = lower.geometry.positions();
     shifted.row(0) += direction;
     lower.geometry.move_to(shifted);
-    upper.geometry.move_to(upper.geometry.position);
+    upper.geometry.move_to(still);
     interface.update(1e-6);
     ++n;
   }
@@ -82,9 +81,8 @@ BENCHMARK(contact_interface);
 
 /// A flat blank that slides on a die: most of its nodes touch all the time, as those of the flange do.
 void contact_tool(benchmark::State& state) {
-  const auto mesh = make_blank(0.49);
-  contact::VertexNormals normals(mesh);
-  auto layer = contact::LayerGeometry::at_rest(mesh, normals, 1, 1e-9);
+  const auto mesh = make_blank(4, 0.49);
+  contact::LayerGeometry layer(mesh, 1, 1e-9);
   contact::Tool die{.name = "die", .shape = std::make_unique<contact::OpeningPlate>(100, 22, 10, true)};
   contact::ToolInterface interface({.stiffness = 500, .tangential = 500, .damping = 1e-5, .friction = 0.25}, layer,
                                    die);
@@ -95,8 +93,10 @@ void contact_tool(benchmark::State& state) {
   double direction = 0.01;
   for (auto _ : state) {
     if (n % 100 == 50) direction = -direction;
-    layer.increment.row(0) = direction;
-    layer.position.row(0) += direction;
+    for (Eigen::Index i = 0; i < layer.n_nodes(); ++i) {
+      layer.node(i).increment.x = direction;
+      layer.node(i).position.x += direction;
+    }
     interface.update(1e-6);
     ++n;
   }

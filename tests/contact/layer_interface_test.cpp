@@ -96,20 +96,18 @@ TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
   };
   std::vector<int> tracked(static_cast<std::size_t>(lower.mesh.n_nodes()));
   for (int i = 0; i < lower.mesh.n_nodes(); ++i)
-    tracked[static_cast<std::size_t>(i)] =
-        search_facing(upper.mesh, upper.geometry.position, mechanics::at(lower.geometry.position, i), Vector3::UnitZ());
+    tracked[static_cast<std::size_t>(i)] = search_facing(upper.geometry, lower.geometry.position(i), Vector3::UnitZ());
   int compared = 0;
   for (int n = 1; n <= 30; ++n) {
     lower.move([&](Vector3 x) { return bend(x, 0); });
     upper.move([&](Vector3 x) { return bend(x + Vector3(0.05 * n, 0.03 * n, 0), 0.2); });
     for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
-      const Vector3 x = mechanics::at(lower.geometry.position, i), normal = mechanics::at(lower.geometry.normal, i);
+      const Vector3 x = lower.geometry.position(i), normal = lower.geometry.normal(i);
       int& triangle = tracked[static_cast<std::size_t>(i)];
-      const Facing walked = find_facing(upper.mesh, upper.geometry.position, x, normal, triangle);
+      const Facing walked = find_facing(upper.geometry, x, normal, triangle);
       triangle = walked.triangle;
       if (walked.share < 1) continue;  // beyond the edge
-      const Facing searched = find_facing(upper.mesh, upper.geometry.position, x, normal,
-                                          search_facing(upper.mesh, upper.geometry.position, x, normal));
+      const Facing searched = find_facing(upper.geometry, x, normal, search_facing(upper.geometry, x, normal));
       EXPECT_NEAR(walked.projection.distance, searched.projection.distance, 1e-9);
       ++compared;
     }
@@ -120,10 +118,10 @@ TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
 TEST(Pairing, IsFoundWhateverTheThicknessAgainstTheMesh) {
   Layer lower(0.5, 0, 1), upper(0.4, 30, 1);  // sixty elements apart
   for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
-    const Vector3 x = mechanics::at(lower.geometry.position, i);
-    const int t = search_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ());
+    const Vector3 x = lower.geometry.position(i);
+    const int t = search_facing(upper.geometry, x, Vector3::UnitZ());
     ASSERT_GE(t, 0);
-    const Facing f = find_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ(), t);
+    const Facing f = find_facing(upper.geometry, x, Vector3::UnitZ(), t);
     EXPECT_EQ(f.triangle, t);
     EXPECT_NEAR(f.projection.distance, 30, 1e-12);
     EXPECT_EQ(f.share, 1);
@@ -134,8 +132,8 @@ TEST(Pairing, NodeBeyondTheEdgeIsLetGoGentlyAndTakenBack) {
   Layer upper(1.0, 1, 1);
   const auto share = [&](double beyond) {
     const Vector3 x(5 + beyond, 0.2, 0);
-    const int start = search_facing(upper.mesh, upper.geometry.position, Vector3(4.9, 0.2, 0), Vector3::UnitZ());
-    const Facing f = find_facing(upper.mesh, upper.geometry.position, x, Vector3::UnitZ(), start);
+    const int start = search_facing(upper.geometry, Vector3(4.9, 0.2, 0), Vector3::UnitZ());
+    const Facing f = find_facing(upper.geometry, x, Vector3::UnitZ(), start);
     EXPECT_NEAR(f.projection.weight[0] + f.projection.weight[1] + f.projection.weight[2], 1, 1e-14);
     return f.share;
   };
@@ -181,9 +179,9 @@ TEST(VertexNormals, OfASphereArePointingOutwards) {
   cap.move(
       [&](Vector3 x) { return Vector3(x.x(), x.y(), std::sqrt(radius * radius - x.x() * x.x() - x.y() * x.y())); });
   for (int i = 0; i < cap.mesh.n_nodes(); ++i) {
-    const Vector3 x = mechanics::at(cap.geometry.position, i);
+    const Vector3 x = cap.geometry.position(i);
     if (std::abs(x.x()) > 4.4 || std::abs(x.y()) > 3.4) continue;
-    EXPECT_LT((mechanics::at(cap.geometry.normal, i) - x / radius).norm(), 5e-3);
+    EXPECT_LT((cap.geometry.normal(i) - x / radius).norm(), 5e-3);
   }
 }
 

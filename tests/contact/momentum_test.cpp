@@ -34,8 +34,8 @@ TEST(LayerInterface, LinearAndAngularMomentumCloseWithFrictionAndDampingAndAtEdg
     upper.move([&](Vector3 x) { return Vector3(bowl(x) + Vector3(0, unit(random), -0.1 + 0.2 * s)); });
     interface.update(1e-5);
     Moment moment;
-    moment.add(lower.geometry.position, interface.force_on_lower());
-    moment.add(upper.geometry.position, interface.force_on_upper());
+    moment.add(lower.geometry.positions(), interface.force_on_lower());
+    moment.add(upper.geometry.positions(), interface.force_on_upper());
     const double scale = interface.force_on_lower().abs().sum();
     ASSERT_GT(scale, 1);
     EXPECT_LT((total(interface.force_on_lower()) + total(interface.force_on_upper())).norm(), 1e-12 * scale);
@@ -73,7 +73,7 @@ TEST(LayerInterface, RigidRotationOfAPressedPairNeitherSlipsNorWorksAndTurnsTheF
     const NodalVectors start = interface.force_on_lower();
     const Scalars slip = interface.points().slip;
     const InterfaceEnergies before = interface.energies();
-    ASSERT_GT(interface.points().traction.abs().maxCoeff(), 0.1);
+    ASSERT_GT(interface.points().traction().abs().maxCoeff(), 0.1);
     const Vector3 axis = Vector3(0.3, -0.5, 0.8).normalized();
     for (int n = 1; n <= steps; ++n) {
       const Eigen::AngleAxisd turn(M_PI / 2 * n / steps, axis);
@@ -141,9 +141,9 @@ TEST(ToolInterface, ForceAndMomentOnTheToolAreMinusThoseOnTheLayer) {
     sheet.move([&](Vector3 x) { return Vector3(x.x() + 0.01 * n, x.y() - 0.02 * n, -x.x() * x.x() / 40 - 0.002 * n); });
     interface.update(1e-4);
     Moment moment;
-    moment.add(sheet.geometry.position, interface.force_on_layer());
+    moment.add(sheet.geometry.positions(), interface.force_on_layer());
     EXPECT_GT(tool.force.norm(), 1);
-    EXPECT_GT(interface.points().traction.abs().maxCoeff(), 0.1);
+    EXPECT_GT(interface.points().traction().abs().maxCoeff(), 0.1);
     EXPECT_LT((total(interface.force_on_layer()) + tool.force).norm(), 1e-12 * tool.force.norm());
     EXPECT_LT((moment.sum + tool.moment).norm(), 1e-12 * moment.scale);
   }
@@ -183,7 +183,8 @@ TEST(LayerInterface, RatesBoundTheStiffnessWithTurningNormals) {
     for (int dof = 0; dof < 3 * n; ++dof) {
       k.col(dof) = (compute_forces(dof, -step) - compute_forces(dof, step)) / (2 * step);
       const int i = dof / 3;
-      inverse_root_mass(dof) = 1 / std::sqrt(i < n_lower ? lower.geometry.mass(i) : upper.geometry.mass(i - n_lower));
+      inverse_root_mass(dof) =
+          1 / std::sqrt(i < n_lower ? lower.geometry.mass()(i) : upper.geometry.mass()(i - n_lower));
     }
     const Eigen::MatrixXd a =
         inverse_root_mass.asDiagonal() * (0.5 * (k + k.transpose())) * inverse_root_mass.asDiagonal();

@@ -23,7 +23,7 @@ Vector3 advance(const InterfaceLaw& law, Points& p, PointMotion m, InterfaceEner
 }
 
 Points one_point(double area = 4) {
-  Points p(Scalars::Constant(1, area));
+  Points p(Scalars::Constant(1, area), kLaw.tangential);
   p.height(0) = 1.0;
   return p;
 }
@@ -47,10 +47,10 @@ TEST(ContactPoint, SticksBelowAndSlidesAboveTheFrictionLimit) {
   advance(kLaw, p, pressed(0.004, Vector3::Zero()), e);
   advance(kLaw, p, pressed(0.004, Vector3(0.0009, 0, 0)), e);  // 0.45 MPa < 0.25 * 2
   EXPECT_EQ(p.state(0), static_cast<int>(State::Stick));
-  EXPECT_NEAR(p.traction(0, 0), -0.45, 1e-12);
+  EXPECT_NEAR(p.traction()(0, 0), -0.45, 1e-12);
   advance(kLaw, p, pressed(0.004, Vector3(0.0011, 0, 0)), e);  // would be 1.0 MPa
   EXPECT_EQ(p.state(0), static_cast<int>(State::Slide));
-  EXPECT_NEAR(p.traction(0, 0), -0.5, 1e-12);
+  EXPECT_NEAR(p.traction()(0, 0), -0.5, 1e-12);
   EXPECT_NEAR(p.slip(0), 0.001, 1e-12);
 }
 
@@ -96,7 +96,7 @@ TEST(Stiffness, GivesTheAllowedPenetrationAtTheReferencePressure) {
 }
 
 TEST(PenetrationSample, PercentileIsByAreaAndLeavesOutWhatFacesNothing) {
-  Points p(Scalars::Constant(1001, 1.0));
+  Points p(Scalars::Constant(1001, 1.0), kLaw.tangential);
   for (int i = 0; i < 1000; ++i) p.gap(i) = i < 5 ? -0.1 : -0.01;
   p.gap(1000) = -5;
   p.weight(1000) = 0;  // beyond the partner's edge

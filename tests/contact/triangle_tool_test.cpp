@@ -267,7 +267,7 @@ Slide slide_over(std::unique_ptr<SignedDistance> shape, double dt) {
   test::ContactLayer layer(mechanics::make_rectangle({-3, 3}, {-3, 3}, 2, 15.5), 1);
   Tool tool{.name = "die", .shape = std::move(shape)};
   ToolInterface interface({.stiffness = 500, .tangential = 0, .damping = 0, .friction = 0}, layer.geometry, tool);
-  const auto& mass = layer.geometry.mass;
+  const auto& mass = layer.geometry.mass();
   const double load = 2;  // N per node, downwards
   NodalVectors x = layer.mesh.reference, v = NodalVectors::Zero(3, x.cols()), v_old = v;
   interface.update(0);

@@ -193,7 +193,7 @@ TEST(Stack, ContactRatesBoundTheTrueFrequenciesOfTheWholeStack) {
   };
   Stack stack(scene);
   for (int i = 0; i < kLayers; ++i) {
-    mass.push_back(stack.layer(i).geometry.mass);
+    mass.push_back(stack.layer(i).geometry.mass());
     u[static_cast<std::size_t>(i)] = NodalVectors::Zero(3, mass.back().size());
     for (int n = 0; n < mass.back().size(); ++n) u[static_cast<std::size_t>(i)](2, n) = unit(random);
   }

@@ -81,7 +81,7 @@ TEST(Impact, OfASheetOnAPlyKeepsEnergyAndMomentum) {
     pair.step(dt);
     largest = std::max(largest, std::abs(pair.energy() - energy));
     exchanged = std::max(exchanged, (lower.momentum() - momentum).norm());
-    ASSERT_LT((pair.momentum() - momentum).norm(), 1e-10 * lower.geometry.mass.sum() * 2000);
+    ASSERT_LT((pair.momentum() - momentum).norm(), 1e-10 * lower.geometry.mass().sum() * 2000);
   }
   expect_result({.row = "V14",
                  .quantity = "sheet on ply: largest change of the total energy / energy",
@@ -107,7 +107,7 @@ TEST(Impact, WithFrictionAndDampingKeepsMomentumToRoundOffAndAccountsForWhatIsLo
   pair.step(dt);
   const double energy = pair.energy();
   const Vector3 momentum = pair.momentum();
-  const double scale = 2000 * (lower.geometry.mass.sum() + upper.geometry.mass.sum());
+  const double scale = 2000 * (lower.geometry.mass().sum() + upper.geometry.mass().sum());
   double largest = 0, lost = 0;
   for (int n = 0; n < 9000; ++n) {
     pair.step(dt);

@@ -39,7 +39,7 @@ class SqueezedMasses {
     layer_ = std::make_unique<test::FreeLayer>(mesh_, std::make_unique<test::PointMasses>(mesh_.n_nodes()), thickness,
                                                density, mechanics::Vector3::Zero());
     layer_->motion.position.row(2) += offset;
-    layer_->geometry.position = layer_->motion.position;
+    layer_->geometry.move_to(layer_->motion.position);
     below_ = {.name = "below", .shape = std::make_unique<Plane>(true), .z = kPressedIn};
     above_ = {.name = "above", .shape = std::make_unique<Plane>(false), .z = thickness - kPressedIn};
     const contact::InterfaceLaw law{.stiffness = k, .tangential = k};

@@ -13,13 +13,9 @@ using mechanics::Vector3;
 
 struct ContactLayer {
   mechanics::TriangleMesh mesh;
-  std::unique_ptr<contact::VertexNormals> normals;
   contact::LayerGeometry geometry;
 
-  ContactLayer(mechanics::TriangleMesh m, double thickness)
-      : mesh(std::move(m)),
-        normals(std::make_unique<contact::VertexNormals>(mesh)),
-        geometry(contact::LayerGeometry::at_rest(mesh, *normals, thickness, 1e-9)) {}
+  ContactLayer(mechanics::TriangleMesh m, double thickness) : mesh(std::move(m)), geometry(mesh, thickness, 1e-9) {}
   ContactLayer(const ContactLayer&) = delete;
 
   /// Node i goes to f(X_i).

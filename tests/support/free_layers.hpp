@@ -16,7 +16,6 @@ using mechanics::Vector3;
 struct FreeLayer {
   mechanics::TriangleMesh mesh;
   std::unique_ptr<solve::LayerMechanics> mechanics;
-  std::unique_ptr<contact::VertexNormals> normals;
   contact::LayerGeometry geometry;
   mechanics::NodalMotion motion;
   NodalVectors internal_force;
@@ -26,8 +25,7 @@ struct FreeLayer {
             const Vector3& velocity)
       : mesh(std::move(m)), mechanics(std::move(law)), motion(mechanics::make_motion_at_rest(mesh)) {
     for (int d = 0; d < 3; ++d) motion.velocity.row(d) = velocity(d);
-    normals = std::make_unique<contact::VertexNormals>(mesh);
-    geometry = contact::LayerGeometry::at_rest(mesh, *normals, thickness, density);
+    geometry = {mesh, thickness, density};
     internal_force = NodalVectors::Zero(3, mesh.n_nodes());
   }
   FreeLayer(const FreeLayer&) = delete;
@@ -38,12 +36,12 @@ struct FreeLayer {
   }
   void kick(double dt, double time, const NodalVectors& contact_force) {
     mechanics->compute_internal_forces(motion.position, {.time = time, .dt = motion.dt}, internal_force);
-    kinetic = mechanics::kick(motion, dt, contact_force, internal_force, geometry.mass, {});
+    kinetic = mechanics::kick(motion, dt, contact_force, internal_force, geometry.mass(), {});
   }
   Vector3 momentum() const {
-    return {(motion.velocity.row(0).transpose() * geometry.mass).sum(),
-            (motion.velocity.row(1).transpose() * geometry.mass).sum(),
-            (motion.velocity.row(2).transpose() * geometry.mass).sum()};
+    return {(motion.velocity.row(0).transpose() * geometry.mass()).sum(),
+            (motion.velocity.row(1).transpose() * geometry.mass()).sum(),
+            (motion.velocity.row(2).transpose() * geometry.mass()).sum()};
   }
   double internal() const { return mechanics->internal_energy(); }
 };

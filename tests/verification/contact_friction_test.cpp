@@ -18,21 +18,13 @@ using mechanics::Vector3;
 /// A rigid plate of 1 mm thickness that is moved as a whole.
 struct Plate {
   mechanics::TriangleMesh mesh;
-  std::unique_ptr<contact::VertexNormals> normals;
   LayerGeometry geometry;
   double area;
   Plate(double half_length, double half_width, double h, double z)
       : mesh(mechanics::make_rectangle({-half_length, half_length}, {-half_width, half_width}, h, z)),
-        normals(std::make_unique<contact::VertexNormals>(mesh)),
-        area(4 * half_length * half_width) {
-    geometry = LayerGeometry::at_rest(mesh, *normals, 1, 1e-9);
-  }
-  void move(const Vector3& step) {
-    for (int d = 0; d < 3; ++d) {
-      geometry.increment.row(d) = step(d);
-      geometry.position.row(d) += step(d);
-    }
-  }
+        geometry(mesh, 1, 1e-9),
+        area(4 * half_length * half_width) {}
+  void move(const Vector3& step) { geometry.move_to(geometry.positions().colwise() + step.array()); }
 };
 
 Vector3 total(const NodalVectors& f) { return {f.row(0).sum(), f.row(1).sum(), f.row(2).sum()}; }
@@ -67,7 +59,7 @@ struct Incline {
       if (n == ramp) start = v.x();
     }
     slipped = interface.points().slip.maxCoeff();
-    moved = block.geometry.position(0, 0) + 5;
+    moved = block.geometry.position(0).x() + 5;
     velocity = v.x();
     elastic = press * std::sin(angle) / (law.tangential * area);
     expected_velocity = start + (steps - ramp) * dt * kGravity *
