@@ -34,6 +34,7 @@ std::unique_ptr<Hub> make_in_process_hub(const StarSize&, const std::string& fol
 std::unique_ptr<Hub> make_shared_memory_hub(const StarSize&, const std::string& folder, const Watch&);
 std::unique_ptr<Hub> make_zeromq_ipc_hub(const StarSize&, const std::string& folder, const Watch&);
 std::unique_ptr<Hub> make_zeromq_tcp_hub(const StarSize&, const std::string& folder, const Watch&);
+std::unique_ptr<Hub> make_sockets_hub(const StarSize&, const std::string& folder, const Watch&);
 std::unique_ptr<Peer> connect_link(const StarSize&, int peer, const std::string& address, const Watch&);
 
 std::unique_ptr<Hub> make_dds_udp_hub(const StarSize&, const std::string& folder, const Watch&);

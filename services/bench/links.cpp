@@ -116,8 +116,9 @@ class BoundStar final : public LinkHub {
   std::string address_;
 };
 
-std::unique_ptr<Hub> make_bound_hub(const StarSize& size, const std::string& address, const Watch& watch) {
-  auto bound = exchange::bind_zeromq(address, {}, list_expected(size));
+std::unique_ptr<Hub> make_bound_hub(const StarSize& size, const std::string& address, const Watch& watch,
+                                    exchange::ArraysBy arrays = exchange::ArraysBy::Mailbox) {
+  auto bound = exchange::bind_zeromq(address, {}, list_expected(size), arrays);
   std::string endpoint = exchange::get_endpoint(*bound);
   return std::make_unique<BoundStar>(size, watch, std::move(bound), std::move(endpoint));
 }
@@ -134,6 +135,9 @@ std::unique_ptr<Hub> make_zeromq_ipc_hub(const StarSize& size, const std::string
   return make_bound_hub(size, "ipc://" + folder + "/link", watch);
 }
 std::unique_ptr<Hub> make_zeromq_tcp_hub(const StarSize& size, const std::string&, const Watch& watch) {
+  return make_bound_hub(size, "tcp://127.0.0.1:*", watch, exchange::ArraysBy::Messages);
+}
+std::unique_ptr<Hub> make_sockets_hub(const StarSize& size, const std::string&, const Watch& watch) {
   return make_bound_hub(size, "tcp://127.0.0.1:*", watch);
 }
 std::unique_ptr<Peer> connect_link(const StarSize& size, int peer, const std::string& address, const Watch&) {

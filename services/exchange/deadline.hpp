@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <compare>
 
 namespace interply::exchange {
 
@@ -14,6 +15,7 @@ class Deadline {
       : time_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(std::clamp(seconds, 0.0, 3.2e7)))) {}
   Clock::time_point time() const { return time_; }
+  auto operator<=>(const Deadline&) const = default;
   bool passed() const { return Clock::now() >= time_; }
   /// Time left, rounded up, for calls that count in milliseconds.
   std::chrono::milliseconds left() const {

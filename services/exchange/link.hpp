@@ -98,6 +98,7 @@ class SolverLink {
   /// Connects and introduces the layer; returns when accepted.
   /// @throws Refused, CoordinatorLost (after `deadline` s: names the address)
   virtual Welcome join(const Join& join, double deadline) = 0;
+  /// What the kernel has no room for (of a layer of some 100000 nodes, over TCP) leaves in receive().
   virtual void send(const Motion& motion) = 0;
   /// Waits for the answer to the last Motion, at most `deadline` s. Overwrites `force` without allocating once sized.
   /// @throws Stopped, CoordinatorLost
@@ -140,7 +141,7 @@ class CoordinatorLink {
   /// Last Motion of participant `who`; valid until its next Moved event.
   virtual const Motion& motion(int who) const = 0;
   virtual const Join& joined(int who) const = 0;
-  /// Answers participant `who`. False if it is gone.
+  /// Answers participant `who`; what the kernel has no room for leaves in receive(). False if it is gone.
   virtual bool send(int who, const Force& force) = 0;
   /// Tells everyone to stop.
   virtual void stop(StopReason reason, const std::string& message) = 0;

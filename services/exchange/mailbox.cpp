@@ -1,261 +1,42 @@
 #include "exchange/mailbox.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <spdlog/spdlog.h>
 
-#include <cerrno>
-#include <cstring>
-#include <numeric>
+#include <exception>
 #include <random>
-#include <stdexcept>
-#include <string>
-#include <system_error>
+
+#include "exchange/shared_mail.hpp"
+#include "exchange/socket_mail.hpp"
+#include "exchange/zeromq_socket.hpp"
 
 namespace interply::exchange {
-
-namespace {
-
-constexpr std::int64_t kPage = 1 << 16;  ///< bytes; a multiple of the page of any machine
-constexpr const char* kName = "interply";
-using Count = std::atomic<std::uint64_t>;
-static_assert(Count::is_always_lock_free && Bell::Asleep::is_always_lock_free, "atomics work between processes");
-
-/// First page of the memory.
-struct Front {
-  std::uint64_t token;
-  alignas(64) Bell::Asleep coordinator_asleep;
-};
-
-struct ForceMail {
-  std::int64_t step;
-  double time, next_dt;
-  std::int32_t frame, last;
-};
-
-std::int64_t round_up(std::int64_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }
-
-[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
-
-}  // namespace
-
-/// One participant's pages: this, then position [3 x n], thickness [n], force [3 x n].
-struct MailboxArea {
-  alignas(64) Count posted;  ///< motions, written by the solver
-  MotionMail motion;
-  alignas(64) Count answered;  ///< of these, written by the coordinator
-  ForceMail force;
-  alignas(64) Bell::Asleep solver_asleep;
-
-  double* position() { return reinterpret_cast<double*>(this + 1); }
-  double* thickness(std::int64_t n) { return position() + 3 * n; }
-  double* force_array(std::int64_t n) { return position() + 4 * n; }
-};
-
-namespace {
-
-std::int64_t compute_bytes(std::int64_t n_nodes) {
-  return round_up(
-      static_cast<std::int64_t>(sizeof(MailboxArea) + 7 * sizeof(double) * static_cast<std::size_t>(n_nodes)));
-}
-
-void copy(const double* from, double* to, Eigen::Index n) {
-  if (n > 0) std::memcpy(to, from, sizeof(double) * static_cast<std::size_t>(n));
-}
-
-Descriptor make_memory(std::int64_t bytes) {
-  Descriptor file(::memfd_create(kName, MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  if (file.number() < 0) fail("memfd_create");
-  if (::fchmod(file.number(), 0600) != 0) fail("fchmod");
-  if (const int error = ::posix_fallocate(file.number(), 0, bytes); error != 0)
-    throw std::system_error(error, std::generic_category(), fmt::format("{} bytes of shared memory", bytes));
-  if (::fcntl(file.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) fail("F_ADD_SEALS");
-  return file;
-}
-
-/// A pipe behind one descriptor, for reading and writing.
-Descriptor make_pipe() {
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) fail("pipe2");
-  const Descriptor reading(ends[0]), writing(ends[1]);
-  Descriptor both(::open(fmt::format("/proc/self/fd/{}", ends[0]).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
-  if (both.number() < 0) fail("open a pipe");
-  return both;
-}
 
 std::uint64_t make_token() {
   std::random_device random;
   return static_cast<std::uint64_t>(random()) << 32 | random();
 }
 
-/// Opens a descriptor of another process, if it leads to what it should: a number may mean another process here.
-Descriptor open_of(int pid, int number, const std::string& kind) {
-  const std::string path = fmt::format("/proc/{}/fd/{}", pid, number);
-  char target[64] = {};
-  if (::readlink(path.c_str(), target, sizeof(target) - 1) < 0) fail(path);
-  if (!std::string(target).starts_with(kind)) throw std::runtime_error(path + " is of another process");
-  Descriptor file(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
-  if (file.number() < 0) fail(path);
-  return file;
+std::unique_ptr<MailRoom> make_mail_room(const std::string& endpoint, const std::vector<Expected>& expected) try {
+  if (is_shared_memory(endpoint)) return std::make_unique<SharedMailRoom>(expected);
+  if (is_tcp(endpoint)) return std::make_unique<SocketMailRoom>(endpoint, expected);
+  return nullptr;
+} catch (const std::exception& reason) {
+  spdlog::warn("no {} ({}): positions and forces travel as messages",
+               is_tcp(endpoint) ? "sockets for arrays" : "shared memory", reason.what());
+  return nullptr;
 }
 
-Descriptor open_memory(const MailboxOffer& offer) {
-  if (offer.n_nodes < 0 || offer.n_nodes > INT64_C(1) << 40 || offer.offset < kPage || offer.offset % kPage != 0)
-    throw std::runtime_error("the coordinator's offer makes no sense");
-  Descriptor memory = open_of(offer.pid, offer.memory, fmt::format("/memfd:{}", kName));
-  struct stat status {};
-  if (::fstat(memory.number(), &status) != 0) fail("fstat");
-  if (offer.offset > status.st_size - compute_bytes(offer.n_nodes))
-    throw std::runtime_error("the coordinator's memory is smaller than it says");
-  if ((::fcntl(memory.number(), F_GET_SEALS) & F_SEAL_SHRINK) == 0)
-    throw std::runtime_error("the coordinator's memory may shrink");
-  return memory;
-}
-
-Mapping map_front(int memory, std::uint64_t token) {
-  Mapping front(memory, 0, kPage);
-  if (front.as<Front>().token != token) throw std::runtime_error("the memory is that of another run");
-  return front;
-}
-
-}  // namespace
-
-Descriptor::~Descriptor() {
-  if (number_ >= 0) ::close(number_);
-}
-
-Mapping::Mapping(int file, std::int64_t offset, std::int64_t bytes)
-    : begin_(::mmap(nullptr, static_cast<std::size_t>(bytes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file,
-                    offset)),
-      bytes_(static_cast<std::size_t>(bytes)) {
-  if (begin_ == MAP_FAILED) fail("mmap");
-}
-
-Mapping::~Mapping() {
-  if (begin_ != nullptr) ::munmap(begin_, bytes_);
-}
-
-void Bell::end_sleep() {
-  asleep_.store(0, std::memory_order_relaxed);
-  char rings[64];
-  while (::read(descriptor(), rings, sizeof(rings)) == sizeof(rings)) {
+std::unique_ptr<Mailbox> open_mailbox(const std::string& address, const MailOffer& offer, int connection) {
+  const auto* memory = std::get_if<MemoryOffer>(&offer);
+  const auto* socket = std::get_if<SocketOffer>(&offer);
+  try {
+    if (memory && is_shared_memory(address)) return std::make_unique<SharedMailbox>(*memory);
+    if (socket) return std::make_unique<SocketMailbox>(connection, *socket);
+  } catch (const std::exception& reason) {
+    spdlog::warn("the coordinator's {} cannot be used ({}): positions and forces travel as messages",
+                 memory ? "shared memory" : "port for arrays", reason.what());
   }
-}
-
-void Bell::ring() {
-  if (asleep_.load() == 0 || asleep_.exchange(0) == 0) return;
-  const char one = 1;
-  [[maybe_unused]] const auto written = ::write(descriptor(), &one, sizeof(one));  // fails only if it rings already
-}
-
-MailRoom::Box::Box(int file, std::int64_t at, std::int64_t nodes)
-    : offset(at),
-      n_nodes(nodes),
-      map(file, at, compute_bytes(nodes)),
-      solver(map.as<MailboxArea>().solver_asleep, make_pipe()) {}
-
-MailRoom::MailRoom(const std::vector<Expected>& expected)
-    : token_(make_token()),
-      memory_(make_memory(
-          std::accumulate(expected.begin(), expected.end(), kPage,
-                          [](std::int64_t bytes, const Expected& e) { return bytes + compute_bytes(e.n_nodes); }))),
-      front_(memory_.number(), 0, kPage),
-      bell_(front_.as<Front>().coordinator_asleep, make_pipe()) {
-  front_.as<Front>().token = token_;
-  boxes_.reserve(expected.size());
-  std::int64_t offset = kPage;
-  for (const Expected& e : expected) {
-    boxes_.emplace_back(memory_.number(), offset, e.n_nodes);
-    offset += compute_bytes(e.n_nodes);
-  }
-}
-
-MailboxOffer MailRoom::offer(int who) const {
-  return {.pid = ::getpid(),
-          .memory = memory_.number(),
-          .coordinator_bell = bell_.descriptor(),
-          .solver_bell = box(who).solver.descriptor(),
-          .token = token_,
-          .offset = box(who).offset,
-          .n_nodes = box(who).n_nodes};
-}
-
-std::int64_t MailRoom::n_nodes(int who) const { return box(who).n_nodes; }
-
-bool MailRoom::has_mail(int who) const { return box(who).area().posted.load() != box(who).taken; }
-
-MotionMail MailRoom::take(int who) {
-  Box& b = box(who);
-  b.taken = b.area().posted.load();
-  return b.area().motion;
-}
-
-void MailRoom::read(int who, const MotionMail& mail, Motion& motion) const {
-  MailboxArea& area = box(who).area();
-  const std::int64_t n = box(who).n_nodes;
-  motion.step = mail.step;
-  motion.vote = mail.vote;
-  motion.energies = mail.energies;
-  motion.step_seconds = mail.step_seconds;
-  motion.wait_seconds = mail.wait_seconds;
-  motion.position.resize(3, n);
-  motion.thickness.resize(mail.n_thickness);
-  copy(area.position(), motion.position.data(), 3 * n);
-  copy(area.thickness(n), motion.thickness.data(), mail.n_thickness);
-}
-
-void MailRoom::answer(int who, const Force& force) {
-  Box& b = box(who);
-  MailboxArea& area = b.area();
-  area.force = {
-      .step = force.step, .time = force.time, .next_dt = force.next_dt, .frame = force.frame, .last = force.last};
-  copy(force.force.data(), area.force_array(b.n_nodes), force.force.size());
-  area.answered.store(b.taken);
-  b.solver.ring();
-}
-
-Mailbox::Mailbox(const MailboxOffer& offer)
-    : n_nodes_(offer.n_nodes),
-      memory_(open_memory(offer)),
-      front_(map_front(memory_.number(), offer.token)),
-      area_(memory_.number(), offer.offset, compute_bytes(n_nodes_)),
-      coordinator_(front_.as<Front>().coordinator_asleep, open_of(offer.pid, offer.coordinator_bell, "pipe:")),
-      bell_(area().solver_asleep, open_of(offer.pid, offer.solver_bell, "pipe:")) {}
-
-MailboxArea& Mailbox::area() const { return area_.as<MailboxArea>(); }
-
-bool Mailbox::post(const Motion& motion) {
-  const Eigen::Index n_thickness = motion.thickness.size();
-  if (motion.position.cols() != n_nodes_ || (n_thickness != 0 && n_thickness != n_nodes_) || read_ != posted_)
-    return false;
-  area().motion = {.step = motion.step,
-                   .vote = motion.vote,
-                   .energies = motion.energies,
-                   .step_seconds = motion.step_seconds,
-                   .wait_seconds = motion.wait_seconds,
-                   .n_thickness = n_thickness};
-  copy(motion.position.data(), area().position(), motion.position.size());
-  copy(motion.thickness.data(), area().thickness(n_nodes_), n_thickness);
-  area().posted.store(++posted_);
-  coordinator_.ring();
-  return true;
-}
-
-bool Mailbox::has_mail() const { return read_ != posted_ && area().answered.load() == posted_; }
-
-std::int64_t Mailbox::read(Force& force) {
-  read_ = posted_;
-  const ForceMail mail = area().force;
-  force.step = mail.step;
-  force.time = mail.time;
-  force.next_dt = mail.next_dt;
-  force.frame = mail.frame;
-  force.last = mail.last != 0;
-  force.force.resize(3, n_nodes_);
-  copy(area().force_array(n_nodes_), force.force.data(), force.force.size());
-  return mail.step;
+  return nullptr;
 }
 
 }  // namespace interply::exchange

@@ -105,21 +105,26 @@ Bytes Encoder::encode(const Join& join) {
   return finish();
 }
 
-Bytes Encoder::encode(const Welcome& welcome, const MailboxOffer& mailbox) {
+Bytes Encoder::encode(const Welcome& welcome, const MailOffer& mailbox) {
   auto& header = start();
   auto& to = *header.mutable_welcome();
   to.set_scene_text(welcome.scene_text);
   to.set_scene_digest(welcome.scene_digest);
   to.set_run(welcome.run);
-  if (mailbox.pid > 0) {
-    auto& offer = *to.mutable_mailbox();
-    offer.set_pid(mailbox.pid);
-    offer.set_memory(mailbox.memory);
-    offer.set_coordinator_bell(mailbox.coordinator_bell);
-    offer.set_solver_bell(mailbox.solver_bell);
-    offer.set_token(mailbox.token);
-    offer.set_offset(mailbox.offset);
-    offer.set_n_nodes(mailbox.n_nodes);
+  if (const auto* memory = std::get_if<MemoryOffer>(&mailbox)) {
+    auto& offer = *to.mutable_memory();
+    offer.set_pid(memory->pid);
+    offer.set_memory(memory->memory);
+    offer.set_coordinator_bell(memory->coordinator_bell);
+    offer.set_solver_bell(memory->solver_bell);
+    offer.set_token(memory->token);
+    offer.set_offset(memory->offset);
+    offer.set_n_nodes(memory->n_nodes);
+  } else if (const auto* socket = std::get_if<SocketOffer>(&mailbox)) {
+    auto& offer = *to.mutable_socket();
+    offer.set_port(socket->port);
+    offer.set_token(socket->token);
+    offer.set_n_nodes(socket->n_nodes);
   }
   write(header, 0);
   return finish();
@@ -274,15 +279,20 @@ void Decoder::read(Welcome& welcome) const {
   welcome.run = from.run();
 }
 
-void Decoder::read(MailboxOffer& mailbox) const {
-  const auto& from = header_->welcome().mailbox();
-  mailbox = {.pid = from.pid(),
-             .memory = from.memory(),
-             .coordinator_bell = from.coordinator_bell(),
-             .solver_bell = from.solver_bell(),
-             .token = from.token(),
-             .offset = from.offset(),
-             .n_nodes = from.n_nodes()};
+void Decoder::read(MailOffer& mailbox) const {
+  mailbox = {};
+  const auto& from = header_->welcome();
+  if (from.has_memory())
+    mailbox = MemoryOffer{.pid = from.memory().pid(),
+                          .memory = from.memory().memory(),
+                          .coordinator_bell = from.memory().coordinator_bell(),
+                          .solver_bell = from.memory().solver_bell(),
+                          .token = from.memory().token(),
+                          .offset = from.memory().offset(),
+                          .n_nodes = from.memory().n_nodes()};
+  else if (from.has_socket())
+    mailbox =
+        SocketOffer{.port = from.socket().port(), .token = from.socket().token(), .n_nodes = from.socket().n_nodes()};
 }
 
 void Decoder::read(Refusal& refusal) const { refusal.sentence = header_->refusal().sentence(); }

@@ -59,7 +59,7 @@ class Encoder {
   Encoder();
   /// The frame; valid until the next call.
   Bytes encode(const Join& join);
-  Bytes encode(const Welcome& welcome, const MailboxOffer& mailbox = {});
+  Bytes encode(const Welcome& welcome, const MailOffer& mailbox = {});
   Bytes encode(const Refusal& refusal);
   Bytes encode(const Motion& motion);
   Bytes encode(const Force& force);
@@ -94,8 +94,8 @@ class Decoder {
   /// @pre open() returned the kind that is read. Arrays are overwritten without allocation once sized.
   void read(Join& join) const;
   void read(Welcome& welcome) const;
-  /// Of a Welcome. `pid` 0: it has none.
-  void read(MailboxOffer& mailbox) const;
+  /// Of a Welcome. Nothing: it has none.
+  void read(MailOffer& mailbox) const;
   void read(Refusal& refusal) const;
   void read(Motion& motion) const;
   void read(Force& force) const;

@@ -2,11 +2,11 @@
 ///
 ///     shm://path        shared memory (mailbox.hpp): processes of one user on one host; the fastest
 ///     ipc://path        messages over a Unix socket: one host
-///     tcp://host:port   messages over TCP: any hosts
+///     tcp://host:port   sockets of their own (socket_mail.hpp), at the next port: any hosts
 ///
-/// Everything else travels as messages over ZeroMQ, `shm` having the socket of `ipc` at the same path: a solver that
-/// says `ipc`, or cannot reach the memory (another user, another container), takes part with messages among others that
-/// share memory. Same bits on every way.
+/// Everything else travels as messages over ZeroMQ, `shm` having the socket of `ipc` at the same path. A solver that
+/// says `ipc`, or cannot reach the memory (another user, another container) or the second port (a firewall), takes part
+/// with messages among the others. Same bits on every way.
 ///
 /// A solver is a DEALER, the coordinator a ROUTER; a message is one frame (wire.hpp). Each connection has an identity
 /// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often
@@ -27,11 +27,17 @@ namespace interply::exchange {
 /// @throws std::runtime_error for an address that cannot be one
 std::unique_ptr<SolverLink> connect_zeromq(const std::string& address);
 
+/// What Motion and Force may travel by.
+enum class ArraysBy {
+  Mailbox,  ///< what the address has to offer
+  Messages  ///< like everything else
+};
+
 /// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
 /// @param welcome  what every accepted solver is told; a Join must know no scene or the one of `welcome.scene_digest`
 /// @throws std::runtime_error if the address cannot be bound
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
-                                             std::vector<Expected> expected);
+                                             std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox);
 
 /// What a link of bind_zeromq() is really bound to, e.g. "tcp://127.0.0.1:40123".
 /// @throws std::bad_cast for any other link

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -63,22 +62,15 @@ class Alarm {
   std::string message_;
 };
 
-std::unique_ptr<MailRoom> open_mail_room(const std::vector<Expected>& expected) try {
-  return std::make_unique<MailRoom>(expected);
-} catch (const std::exception& reason) {
-  spdlog::warn("no shared memory ({}): positions and forces travel as messages", reason.what());
-  return nullptr;
-}
-
 class ZeromqCoordinator final : public CoordinatorLink {
  public:
-  ZeromqCoordinator(const std::string& address, Welcome welcome, std::vector<Expected> expected)
+  ZeromqCoordinator(const std::string& address, Welcome welcome, const std::vector<Expected>& expected, ArraysBy arrays)
       : welcome_(std::move(welcome)),
         admission_(welcome_.scene_digest, expected),
         peers_(static_cast<std::size_t>(admission_.size())) {
     socket_.limit_messages(compute_frame_limit(admission_.largest_layer()));
     socket_.bind(address);
-    if (is_shared_memory(address)) mail_ = open_mail_room(expected);
+    if (arrays == ArraysBy::Mailbox) mail_ = make_mail_room(socket_.endpoint(), expected);
   }
 
   Event receive(double timeout) override {
@@ -103,10 +95,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
 
   bool send(int who, const Force& force) override {
     if (!admission_.note_answer(who, force)) return false;
-    if (peer(who).by_mail) {
-      mail_->answer(who, force);
-      return true;
-    }
+    if (peer(who).by_mail) return mail_->answer(who, force);
     if (socket_.send(peer(who).identity, encoder_.encode(force))) return true;
     peer(who).lost = true;
     return false;
@@ -144,10 +133,14 @@ class ZeromqCoordinator final : public CoordinatorLink {
   }
 
   Event take_loss() {
-    for (int who = 0; who < admission_.size(); ++who)
-      if (peer(who).lost && !has_mail(who) && std::exchange(peer(who).lost, false) && admission_.note_gone(who))
+    for (int who = 0; who < admission_.size(); ++who) {
+      if (!admission_.is_active(who) || has_mail(who)) continue;
+      const std::string why = mail_ ? mail_->why_cut(who) : std::string();
+      if ((peer(who).lost || !why.empty()) && admission_.note_gone(who))
         return make_event(Event::Kind::Suspect, who,
-                          fmt::format("the connection to {} was lost", describe(admission_.join(who))));
+                          fmt::format("the connection to {} was lost{}{}", describe(admission_.join(who)),
+                                      why.empty() ? "" : ": ", why));
+    }
     return {};
   }
 
@@ -159,14 +152,17 @@ class ZeromqCoordinator final : public CoordinatorLink {
   }
 
   void sleep(const Deadline& until) {
-    if (!mail_) return socket_.wait(until, {alarm_.descriptor()});
-    mail_->bell().announce_sleep();
-    if (!has_mail()) socket_.wait(until, {alarm_.descriptor(), mail_->bell().descriptor()});
-    mail_->bell().end_sleep();
+    const pollfd alarm{alarm_.descriptor(), POLLIN, 0};
+    if (!mail_) return socket_.wait(until, {alarm});
+    const pollfd mail = mail_->announce_sleep();
+    if (!has_mail()) socket_.wait(until, {alarm, mail});
+    mail_->end_sleep();
   }
 
   /// Takes one motion from the mailboxes.
   Event read_mail() {
+    if (!mail_) return {};
+    if (!has_mail()) mail_->look();
     for (int who = 0; who < admission_.size(); ++who) {
       if (!has_mail(who)) continue;
       const MotionMail mail = mail_->take(who);
@@ -210,7 +206,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
     Peer& p = peer(verdict.who);
     p.identity = identity;
     p.descriptor = socket_.descriptor();
-    if (!socket_.send(identity, encoder_.encode(welcome_, mail_ ? mail_->offer(verdict.who) : MailboxOffer{})))
+    if (!socket_.send(identity, encoder_.encode(welcome_, mail_ ? mail_->offer(verdict.who) : MailOffer{})))
       p.lost = true;
     return make_event(Event::Kind::Joined, verdict.who);
   }
@@ -276,8 +272,8 @@ class ZeromqCoordinator final : public CoordinatorLink {
 }  // namespace
 
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
-                                             std::vector<Expected> expected) {
-  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), std::move(expected));
+                                             std::vector<Expected> expected, ArraysBy arrays) {
+  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), expected, arrays);
 }
 
 std::string get_endpoint(const CoordinatorLink& link) {

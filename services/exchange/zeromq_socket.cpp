@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -71,6 +70,7 @@ bool is_answered(const std::string& address) {
 }  // namespace
 
 bool is_shared_memory(const std::string& address) { return address.starts_with(kShared); }
+bool is_tcp(const std::string& address) { return address.starts_with("tcp://"); }
 
 struct ZeromqSocket::Parts {
   explicit Parts(Type type)
@@ -182,11 +182,11 @@ std::optional<ZeromqSocket::News> ZeromqSocket::next_news() {
   return News{id != ZMQ_EVENT_DISCONNECTED, descriptor};
 }
 
-void ZeromqSocket::wait(const Deadline& until, std::initializer_list<int> descriptors) {
+void ZeromqSocket::wait(const Deadline& until, std::initializer_list<pollfd> others) {
   std::array<pollfd, 4> items;
   std::size_t n = 0;
   for (const int own : {parts_->socket_descriptor, parts_->news_descriptor}) items[n++] = {own, POLLIN, 0};
-  for (const int other : descriptors) items[n++] = {other, POLLIN, 0};
+  for (const pollfd& other : others) items[n++] = other;
   ::poll(items.data(), n, static_cast<int>(std::min<std::int64_t>(until.left().count(), 1 << 30)));
 }
 

@@ -1,6 +1,8 @@
 /// One ZeroMQ socket and the news of its connections. Internal to exchange; zmq headers stay in zeromq_socket.cpp.
 #pragma once
 
+#include <poll.h>
+
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -12,8 +14,10 @@
 
 namespace interply::exchange {
 
-/// `shm://path`: messages travel as over `ipc://path`, arrays by mailbox.
+/// `shm://path`: messages travel as over `ipc://path`, arrays in shared memory.
 bool is_shared_memory(const std::string& address);
+/// `tcp://host:port`: arrays have sockets of their own.
+bool is_tcp(const std::string& address);
 
 /// Used by one thread. What was sent before the end still leaves within a second.
 class ZeromqSocket {
@@ -56,9 +60,9 @@ class ZeromqSocket {
   /// All that was received by a connection is here before its end is told.
   std::optional<News> next_news();
 
-  /// Sleeps until a message, news or a readable descriptor are there, at most until the deadline.
-  /// @pre receive() and next_news() had nothing: what they leave behind does not wake   @pre at most two descriptors
-  void wait(const Deadline& until, std::initializer_list<int> descriptors = {});
+  /// Sleeps until a message, news or one of `others` are there, at most until the deadline.
+  /// @pre receive() and next_news() had nothing: what they leave behind does not wake   @pre at most two others
+  void wait(const Deadline& until, std::initializer_list<pollfd> others = {});
 
  private:
   struct Parts;

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <optional>
 
 #include "exchange/mailbox.hpp"
@@ -15,6 +16,7 @@ namespace interply::exchange {
 namespace {
 
 constexpr double kFailureDelivery = 2;  ///< s to wait until a failure has arrived
+constexpr double kLastWords = 1.5;      ///< s to wait for a message of the coordinator when the mailbox is cut
 
 class ZeromqSolver final : public SolverLink {
  public:
@@ -24,10 +26,12 @@ class ZeromqSolver final : public SolverLink {
     transmit(encoder_.encode(join));
     Welcome welcome;
     Refusal refusal;
+    MailOffer offer;
     switch (*next(deadline)) {
       case MessageKind::Welcome:
         decoder_.read(welcome);
-        if (is_shared_memory(address_)) open_mailbox();
+        decoder_.read(offer);
+        mailbox_ = open_mailbox(address_, offer, socket_.descriptor());
         return welcome;
       case MessageKind::Refusal:
         decoder_.read(refusal);
@@ -46,7 +50,7 @@ class ZeromqSolver final : public SolverLink {
   }
 
   void receive(Force& force, double deadline) override {
-    const std::optional<MessageKind> kind = next(deadline, mailbox_ ? &*mailbox_ : nullptr);
+    const std::optional<MessageKind> kind = next(deadline, mailbox_.get());
     if (kind == MessageKind::Stop) throw_stopped();
     const bool fits = kind ? kind == MessageKind::Force && decoder_.step() == step_ && decoder_.n_nodes() == n_nodes_
                            : mailbox_->read(force) == step_;
@@ -77,38 +81,31 @@ class ZeromqSolver final : public SolverLink {
           fmt::format("cannot send to the coordinator at {} {}: {}", address_, where(), std::strerror(errno)));
   }
 
-  /// Without one, arrays travel as messages.
-  void open_mailbox() {
-    MailboxOffer offer;
-    decoder_.read(offer);
-    if (offer.pid <= 0) return;
-    try {
-      mailbox_.emplace(offer);
-    } catch (const std::exception& reason) {
-      spdlog::warn("the coordinator's shared memory cannot be used ({}): positions and forces travel as messages",
-                   reason.what());
-    }
-  }
-
   /// Opens the next message, or says nothing because the answer is in the mailbox. @throws CoordinatorLost
   std::optional<MessageKind> next(double deadline, Mailbox* mailbox = nullptr) {
-    const Deadline until(deadline);
+    Deadline until(deadline);
+    bool cut = false;
     for (;;) {
       if (mailbox != nullptr && mailbox->has_mail()) return {};
       note_news();
       if (socket_.receive()) return open();
       if (lost_)
         throw CoordinatorLost(fmt::format("the coordinator at {} closed the connection {}", address_, where()));
+      if (!cut && mailbox != nullptr && mailbox->is_cut()) {
+        cut = true;  // a message may be on its way that says why
+        until = std::min(until, Deadline(kLastWords));
+      }
       if (until.passed())
         throw CoordinatorLost(
-            fmt::format("no answer from the coordinator at {} for {:g} s {}", address_, deadline, where()));
+            cut ? fmt::format("the coordinator at {} closed the connection for arrays {}", address_, where())
+                : fmt::format("no answer from the coordinator at {} for {:g} s {}", address_, deadline, where()));
       if (mailbox == nullptr) {
         socket_.wait(until);
         continue;
       }
-      mailbox->bell().announce_sleep();
-      if (!mailbox->has_mail()) socket_.wait(until, {mailbox->bell().descriptor()});
-      mailbox->bell().end_sleep();
+      const pollfd mail = mailbox->announce_sleep();
+      if (!mailbox->has_mail()) socket_.wait(until, {mail});
+      mailbox->end_sleep();
     }
   }
 
@@ -143,7 +140,7 @@ class ZeromqSolver final : public SolverLink {
   bool connected_ = false, lost_ = false;
   Encoder encoder_;
   Decoder decoder_;
-  std::optional<Mailbox> mailbox_;
+  std::unique_ptr<Mailbox> mailbox_;  ///< null: everything travels as messages
   std::int64_t n_nodes_ = 0;
   std::int64_t step_ = -1;
 };

@@ -177,15 +177,30 @@ TEST_P(CarrierTest, ALargeLayerPasses) {
   constexpr Eigen::Index kNodes = 300000;  // beyond every buffer of the kernel
   Table table = make_table({{"ply_1", kNodes}});
   auto link = join_as(table, "ply_1");
-  Force force;
-  for (int step = 0; step < 3; ++step) {
-    link->send(make_motion(0, kNodes, step));
-    ASSERT_EQ(table.coordinator().receive(kPatience).kind, Event::Kind::Moved);
-    EXPECT_TRUE(is_filled(table.coordinator().motion(0).position, kNodes, 0, step));
-    ASSERT_TRUE(table.coordinator().send(0, make_force(0, kNodes, step)));
-    link->receive(force, kPatience);
-    EXPECT_TRUE(is_filled(force.force, kNodes, 100, step));
+  constexpr std::int64_t kLast = 5;
+  int good = 0;
+  std::thread solver([&] {
+    Force force;
+    for (std::int64_t step = 0; step <= kLast; ++step) {
+      Motion motion = make_motion(0, kNodes, step);
+      if (step % 2 == 0) motion.thickness = mechanics::Scalars::Constant(kNodes, static_cast<double>(step));
+      link->send(motion);
+      link->receive(force, kPatience);
+      good += is_filled(force.force, kNodes, 100, step);
+    }
+    link->send(Final{});
+  });
+  CoordinatorLink& coordinator = table.coordinator();
+  for (std::int64_t step = 0; step <= kLast; ++step) {
+    EXPECT_EQ(coordinator.receive(kPatience).kind, Event::Kind::Moved);
+    EXPECT_TRUE(is_filled(coordinator.motion(0).position, kNodes, 0, step));
+    EXPECT_EQ(coordinator.motion(0).thickness.size(), step % 2 == 0 ? kNodes : 0);
+    EXPECT_TRUE((coordinator.motion(0).thickness == static_cast<double>(step)).all());
+    EXPECT_TRUE(coordinator.send(0, make_force(0, kNodes, step, step == kLast)));
   }
+  EXPECT_EQ(coordinator.receive(kPatience).kind, Event::Kind::Ended);
+  solver.join();
+  EXPECT_EQ(good, kLast + 1);
 }
 
 TEST_P(CarrierTest, TheCoordinatorMayReadAMotionAfterItHasAnswered) {

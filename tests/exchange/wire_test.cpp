@@ -137,13 +137,14 @@ TEST(Wire, SentencesNamesAndNumbersArrive) {
   EXPECT_EQ(welcome.scene_text, kWelcome.scene_text);
   EXPECT_EQ(welcome.scene_digest, kDigest);
   EXPECT_EQ(welcome.run, kWelcome.run);
-  MailboxOffer offer;
-  decoder.read(offer);
-  EXPECT_EQ(offer.pid, 0) << "no mailbox unless one is offered";
-  const MailboxOffer offered{
+  MailOffer read;
+  decoder.read(read);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(read)) << "no mailbox unless one is offered";
+  const MemoryOffer offered{
       .pid = 1, .memory = 2, .coordinator_bell = 3, .solver_bell = 4, .token = 5, .offset = 6, .n_nodes = 7};
   EXPECT_EQ(decoder.open(encoder.encode(kWelcome, offered)), MessageKind::Welcome);
-  decoder.read(offer);
+  decoder.read(read);
+  const auto& offer = std::get<MemoryOffer>(read);
   EXPECT_EQ(offer.pid, 1);
   EXPECT_EQ(offer.memory, 2);
   EXPECT_EQ(offer.coordinator_bell, 3);
@@ -151,6 +152,11 @@ TEST(Wire, SentencesNamesAndNumbersArrive) {
   EXPECT_EQ(offer.token, 5u);
   EXPECT_EQ(offer.offset, 6);
   EXPECT_EQ(offer.n_nodes, 7);
+  decoder.open(encoder.encode(kWelcome, SocketOffer{.port = 8, .token = 9, .n_nodes = 10}));
+  decoder.read(read);
+  EXPECT_EQ(std::get<SocketOffer>(read).port, 8);
+  EXPECT_EQ(std::get<SocketOffer>(read).token, 9u);
+  EXPECT_EQ(std::get<SocketOffer>(read).n_nodes, 10);
   EXPECT_EQ(decoder.open(encoder.encode(Received{})), MessageKind::Received);
 }
 

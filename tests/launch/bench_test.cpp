@@ -139,7 +139,7 @@ TEST(Bench, CtrlCLeavesNothingBehind) {
 }
 
 TEST(Bench, ADeadPeerIsNamed) {
-  for (const std::string carrier : {"raw-unix", "raw-memory", "zeromq-tcp", "dds-udp"}) {
+  for (const std::string carrier : {"raw-unix", "raw-memory", "tcp", "zeromq-tcp", "dds-udp"}) {
     Bench bench({"exchange", "--peers", "1", "--nodes", "100", "--seconds", "300", "--carriers", carrier});
     const auto peers = wait_for_processes("peer", bench.temporary(), 1);
     ASSERT_EQ(peers.size(), 1u);

@@ -1,5 +1,5 @@
 /// Shared memory: who may reach it, what happens to those who cannot, and that nobody has to trust it.
-#include "exchange/mailbox.hpp"
+#include "exchange/shared_mail.hpp"
 
 #include <fcntl.h>
 #include <grp.h>
@@ -44,9 +44,9 @@ bool answer_all(CoordinatorLink& coordinator, int peers, Eigen::Index n, std::in
   return true;
 }
 
-TEST(Mailbox, MotionAndForceCrossAndTurnsAreKept) {
-  MailRoom room({{"ply_1", 3}, {"ply_2", 7}});
-  Mailbox box(room.offer(1));
+TEST(SharedMail, MotionAndForceCrossAndTurnsAreKept) {
+  SharedMailRoom room({{"ply_1", 3}, {"ply_2", 7}});
+  SharedMailbox box(std::get<MemoryOffer>(room.offer(1)));
   EXPECT_FALSE(room.has_mail(1));
   EXPECT_FALSE(box.has_mail());
   EXPECT_FALSE(box.post(make_motion(1, 6, 0))) << "of another size";
@@ -71,20 +71,21 @@ TEST(Mailbox, MotionAndForceCrossAndTurnsAreKept) {
   EXPECT_TRUE(box.post(make_motion(1, 7, 1)));
 }
 
-TEST(Mailbox, AnOfferThatLeadsElsewhereIsRefused) {
-  const MailRoom room({{"ply_1", 3}}), other({{"ply_1", 3}});
-  const MailboxOffer good = room.offer(0);
-  EXPECT_NO_THROW(Mailbox{good});
+TEST(SharedMail, AnOfferThatLeadsElsewhereIsRefused) {
+  const SharedMailRoom room({{"ply_1", 3}}), other({{"ply_1", 3}});
+  const auto good = std::get<MemoryOffer>(room.offer(0));
+  EXPECT_NO_THROW(SharedMailbox{good});
   const auto said = [&](auto change) {
-    MailboxOffer offer = good;
+    MemoryOffer offer = good;
     change(offer);
-    return get_message<std::exception>([&] { Mailbox{offer}; });
+    return get_message<std::exception>([&] { SharedMailbox{offer}; });
   };
   EXPECT_THAT(said([](auto& o) { o.pid = 4194304; }), HasSubstr("/proc/4194304/fd"));
   EXPECT_THAT(said([](auto& o) { o.memory = 0; }), HasSubstr("of another process"));
   EXPECT_THAT(said([](auto& o) { o.memory = 1 << 20; }), HasSubstr("No such file"));
   EXPECT_THAT(said([](auto& o) { o.solver_bell = o.memory; }), HasSubstr("of another process"));
-  EXPECT_THAT(said([&](auto& o) { o.memory = other.offer(0).memory; }), HasSubstr("another run"));
+  EXPECT_THAT(said([&](auto& o) { o.memory = std::get<MemoryOffer>(other.offer(0)).memory; }),
+              HasSubstr("another run"));
   EXPECT_THAT(said([](auto& o) { o.n_nodes = 1 << 20; }), HasSubstr("smaller than it says"));
   EXPECT_THAT(said([](auto& o) { o.n_nodes = -1; }), HasSubstr("makes no sense"));
   EXPECT_THAT(said([](auto& o) { o.n_nodes = INT64_MAX; }), HasSubstr("makes no sense"));
@@ -93,9 +94,9 @@ TEST(Mailbox, AnOfferThatLeadsElsewhereIsRefused) {
   EXPECT_THAT(said([](auto& o) { o.offset += 8; }), HasSubstr("makes no sense"));
 }
 
-TEST(Mailbox, TheMemoryIsPrivateNamelessAndCannotShrink) {
-  const MailRoom room({{"ply_1", 3}});
-  const int file = room.offer(0).memory;
+TEST(SharedMail, TheMemoryIsPrivateNamelessAndCannotShrink) {
+  const SharedMailRoom room({{"ply_1", 3}});
+  const int file = std::get<MemoryOffer>(room.offer(0)).memory;
   struct stat status {};
   ASSERT_EQ(::fstat(file, &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
@@ -104,7 +105,7 @@ TEST(Mailbox, TheMemoryIsPrivateNamelessAndCannotShrink) {
   EXPECT_EQ(::fcntl(file, F_GET_SEALS) & (F_SEAL_SHRINK | F_SEAL_GROW), F_SEAL_SHRINK | F_SEAL_GROW);
 }
 
-TEST(Mailbox, SomeShareMemoryAndSomeSendMessages) {
+TEST(SharedMail, SomeShareMemoryAndSomeSendMessages) {
   constexpr Eigen::Index kNodes = 100;
   constexpr std::int64_t kLast = 300;
   Table table(Carrier::SharedMemory, {{"ply_0", kNodes}, {"ply_1", kNodes}, {"ply_2", kNodes}});
@@ -123,7 +124,7 @@ TEST(Mailbox, SomeShareMemoryAndSomeSendMessages) {
   EXPECT_THAT(good, testing::Each(true));
 }
 
-TEST(Mailbox, ASolverThatAsksForMemoryMayMeetACoordinatorWithout) {
+TEST(SharedMail, ASolverThatAsksForMemoryMayMeetACoordinatorWithout) {
   Table table(Carrier::Ipc, {{"ply_0", 9}});
   auto link = connect_zeromq("shm" + table.endpoint().substr(3));
   std::thread solver([&] {
@@ -134,7 +135,7 @@ TEST(Mailbox, ASolverThatAsksForMemoryMayMeetACoordinatorWithout) {
   solver.join();
 }
 
-TEST(Mailbox, AnotherUserFallsBackToMessagesAndSaysSo) {
+TEST(SharedMail, AnotherUserFallsBackToMessagesAndSaysSo) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root to become another user";
   int pipe[2];
   ASSERT_EQ(::pipe(pipe), 0);
@@ -168,7 +169,7 @@ TEST(Mailbox, AnotherUserFallsBackToMessagesAndSaysSo) {
   ::close(pipe[0]);
 }
 
-TEST(Mailbox, GarbageInTheMemoryIsRefusedLikeAMalformedMessage) {
+TEST(SharedMail, GarbageInTheMemoryIsRefusedLikeAMalformedMessage) {
   const LogCapture log;
   Table table(Carrier::SharedMemory, {{"ply_0", 9}, {"ply_1", 9}});
   auto link = join_as(table, "ply_1");
