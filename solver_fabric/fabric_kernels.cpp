@@ -230,10 +230,11 @@ Real compute_largest_eigenvalue(const Real (&h)[6], const Real (&q)[6]) {
 
 /// compute_membrane_eigenvalue_bound() of stable_increment.hpp: the largest of the elements [begin, end).
 template <class Law>
-double bound(const ShellRows& s, const Law& law, const double (&floor)[2], Index begin, Index end) {
+double bound(const ShellRows& s, const double* const x[3], const Law& law, const double (&floor)[2], Index begin,
+             Index end) {
   Real largest(0.0);
   for_each_pack<Real>(begin, end, [&](const auto& lanes) {
-    const auto f = mechanics::load_facet<Real>(s, lanes);
+    const auto f = mechanics::compute_facet<Real>(s, lanes, x);
     const auto n = mechanics::load_gradient<Real>(s, lanes);
     Symmetric g{Real(0.0), Real(0.0), Real(0.0)};
     for (int k = 0; k < 3; ++k) {

@@ -35,11 +35,11 @@ struct FabricKernels {
   /// Second pass: moments m11 = D_a kappa11, m22 = D_b kappa22, m12 = twist 2 kappa12. Returns their energy, mJ.
   double (*bend)(const mechanics::ShellRows& shell, const double* phi, const BendingStiffness& stiffness,
                  std::ptrdiff_t begin, std::ptrdiff_t end);
-  /// Largest of the bounds (T1) of stable_increment.hpp from the facets, MPa/mm2. @param floor  MPa, of warp and weft
-  double (*bound_invariant)(const mechanics::ShellRows& shell, const InvariantParameters& law, const double (&floor)[2],
-                            std::ptrdiff_t begin, std::ptrdiff_t end);
-  double (*bound_tables)(const mechanics::ShellRows& shell, const TableParameters& law, const double (&floor)[2],
-                         std::ptrdiff_t begin, std::ptrdiff_t end);
+  /// Largest of the bounds (T1) of stable_increment.hpp, MPa/mm2. @param floor  MPa, of warp and weft
+  double (*bound_invariant)(const mechanics::ShellRows& shell, const double* const x[3], const InvariantParameters& law,
+                            const double (&floor)[2], std::ptrdiff_t begin, std::ptrdiff_t end);
+  double (*bound_tables)(const mechanics::ShellRows& shell, const double* const x[3], const TableParameters& law,
+                         const double (&floor)[2], std::ptrdiff_t begin, std::ptrdiff_t end);
 };
 
 template <class Target>

@@ -43,7 +43,7 @@ FabricLayer::FabricLayer(const scene::Layer& layer, double mass_scaling, const m
       bending_{layer.bending.warp, layer.bending.weft, layer.twist},
       kernels_(choose_fabric_kernels()),
       shell_(mesh, layer.orientation_deg / kDegrees, {make_bending_stiffness(layer), thickness_ * density_},
-             layer.threads),
+             layer.threads, std::holds_alternative<scene::VumatLaw>(layer.law) ? solve::Keep::All : solve::Keep::Rings),
       stretch_results_(shell_.n_blocks()),
       block_energy_(shell_.n_blocks()) {
   bending_frequency2_ = mechanics::compute_bending_frequencies2(
@@ -54,13 +54,10 @@ FabricLayer::FabricLayer(const scene::Layer& layer, double mass_scaling, const m
     law_ = make_membrane_law(*woven);
   else
     own_ = std::make_unique<VumatMembrane>(layer, shell_.geometry(), mesh.reference);
-  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e)  // flat, until the first evaluation
-    shell_.passes().store_facet(e, mechanics::compute_surface_gradient(shell_.geometry(), mesh.reference, e));
 }
 
 void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                           mechanics::NodalVectors& force) {
-  shell_.advance_edges(now.dt);
   if (own_) stretch_own_law(position, now);
   const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
   const auto stretch = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) -> Eigen::Index {
@@ -72,11 +69,12 @@ void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& positio
   const auto bend = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
     block_energy_[static_cast<std::size_t>(block)] = kernels_.bend(shell_.rows(), phi, bending_, begin, end);
   };
-  if (const Eigen::Index bad = shell_.run_passes(stretch, bend); bad >= 0) throw_divergence(bad, position, now.time);
+  const solve::Shell::Result result = shell_.compute_forces(now.dt, stretch, bend, force);
+  if (result.bad >= 0) throw_divergence(result.bad, position, now.time);
   energy_ = own_ ? own_energy_ : 0;
   for (std::size_t block = 0; block < block_energy_.size(); ++block)
     energy_ += stretch_results_[block].energy + block_energy_[block];
-  edge_energy_ += shell_.compute_forces(now.dt, force);
+  edge_energy_ += result.energy;
 }
 
 MembraneResult FabricLayer::stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const {
@@ -90,7 +88,8 @@ void FabricLayer::stretch_own_law(const mechanics::NodalVectors& x, const solve:
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
     const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
     passes.store_facet(e, g);
-    if (!is_usable(fibre_state(e), g.area_ratio)) throw_divergence(e, x, now.time);
+    if (!is_usable(fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio), g.area_ratio))
+      throw_divergence(e, x, now.time);
   }
   if (const Eigen::Index e = own_->advance(passes.f1, passes.f2, x, now); e >= 0) throw_divergence(e, x, now.time);
   own_energy_ = 0;
@@ -107,14 +106,14 @@ void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors
   Vector3 centre = Vector3::Zero();
   for (int k = 0; k < 3; ++k) centre += mechanics::at(x, shell_.geometry().nodes(k, e)) / 3;
   const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
-  const FibreState s = compute_fibre_state(g.f1, g.f2, g.area_ratio);
+  const FibreState s = fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
   std::string quantity, cure;
   if (is_usable(s, g.area_ratio) && own_) {
     quantity = own_->describe_response(e);
     cure = "check law.vumat.parameters of this ply, or lower time.safety";
   } else if (is_usable(s, g.area_ratio)) {
-    quantity =
-        fmt::format("the strain energy is {} MPa at the fibre stretches {:.4g} and {:.4g}", potential(e).W, s.la, s.lb);
+    quantity = fmt::format("the strain energy is {} MPa at the fibre stretches {:.4g} and {:.4g}",
+                           compute_potential(s).W, s.la, s.lb);
     cure = "lower the biaxial coupling c or set a strain_cap for this ply's law";
   } else if (!std::isfinite(g.area_ratio) || !std::isfinite(s.cos_gamma)) {
     quantity = fmt::format("the area ratio is {}", g.area_ratio);
@@ -133,28 +132,28 @@ void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors
                   centre.x(), centre.y(), centre.z(), time, quantity, cure));
 }
 
-FibreState FabricLayer::fibre_state(Eigen::Index e) const {
-  const mechanics::SurfaceGradient g = shell_.passes().facet(e);
-  return compute_fibre_state(g.f1, g.f2, g.area_ratio);
+FibreState FabricLayer::compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const {
+  const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
+  return fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
 }
 
-Potential FabricLayer::potential(Eigen::Index e) const {
-  const FibreState s = fibre_state(e);
+Potential FabricLayer::compute_potential(const FibreState& s) const {
   return std::visit([&](const auto& law) { return law.evaluate(s.la, s.lb, s.gamma); }, *law_);
 }
 
-double FabricLayer::compute_stable_increment() {
+double FabricLayer::compute_stable_increment(const mechanics::NodalVectors& position) {
   if (own_) return 2 / std::sqrt(3 / density_ * own_->compute_eigenvalue_bound() + bending_frequency2_);
   const scene::Pair stiffness = std::visit([](const auto& law) { return law.stiffness_floor(); }, *law_);
   const double floor[2] = {stiffness.warp, stiffness.weft};
+  const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
   std::vector<double> largest(shell_.n_blocks());
   shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
     if (const auto* law = std::get_if<InvariantLaw>(&*law_))
       largest[static_cast<std::size_t>(block)] =
-          kernels_.bound_invariant(shell_.rows(), law->parameters(), floor, begin, end);
+          kernels_.bound_invariant(shell_.rows(), x, law->parameters(), floor, begin, end);
     else
       largest[static_cast<std::size_t>(block)] =
-          kernels_.bound_tables(shell_.rows(), std::get<TableLaw>(*law_).parameters(), floor, begin, end);
+          kernels_.bound_tables(shell_.rows(), x, std::get<TableLaw>(*law_).parameters(), floor, begin, end);
   });
   const double membrane = 3 / density_ * *std::max_element(largest.begin(), largest.end());  // (T1)
   return 2 / std::sqrt(membrane + bending_frequency2_);
@@ -164,7 +163,7 @@ mechanics::Scalars FabricLayer::compute_nodal_thickness() const {
   return own_ ? thickness_ * own_->compute_nodal_thickness_stretch() : mechanics::Scalars();
 }
 
-std::vector<observe::Field> FabricLayer::compute_fields() const {
+std::vector<observe::Field> FabricLayer::compute_fields(const mechanics::NodalVectors& position) const {
   enum { Shear, Warp, Weft, S11, S22, S12, Energy, BeyondCap, Eigenvalue };
   const auto n = static_cast<std::size_t>(shell_.n_elements());
   std::vector<observe::Field> fields;
@@ -180,8 +179,8 @@ std::vector<observe::Field> FabricLayer::compute_fields() const {
   add("energy_density", "MPa", "membrane strain energy per reference volume");
   for (std::size_t i = 0; i < n; ++i) {
     const auto e = static_cast<Eigen::Index>(i);
-    const FibreState state = fibre_state(e);
-    const Response w = own_ ? Response{own_->energy(e), own_->stress(e)} : respond(potential(e), state);
+    const FibreState state = compute_fibre_state(position, e);
+    const Response w = own_ ? Response{own_->energy(e), own_->stress(e)} : respond(compute_potential(state), state);
     fields[Shear].values[i] = state.gamma;
     fields[Warp].values[i] = state.la;
     fields[Weft].values[i] = state.lb;
@@ -198,24 +197,24 @@ std::vector<observe::Field> FabricLayer::compute_fields() const {
   add("smallest_hessian_eigenvalue", "MPa", "of the strain energy in (la, lb, gamma); negative: the law is not convex");
   for (std::size_t i = 0; i < n; ++i) {
     const auto e = static_cast<Eigen::Index>(i);
-    const FibreState s = fibre_state(e);
+    const FibreState s = compute_fibre_state(position, e);
     fields[BeyondCap].values[i] =
         std::visit([&](const auto& law) { return law.is_beyond_cap(s.la, s.lb) ? 1.0 : 0.0; }, *law_);
-    fields[Eigenvalue].values[i] = compute_smallest_eigenvalue(potential(e));
+    fields[Eigenvalue].values[i] = compute_smallest_eigenvalue(compute_potential(s));
   }
   return fields;
 }
 
-std::vector<exchange::SummaryItem> FabricLayer::summarise() const {
+std::vector<exchange::SummaryItem> FabricLayer::summarise(const mechanics::NodalVectors& position) const {
   double shear = 0, longest = 0, shortest = std::numeric_limits<double>::infinity(), beyond_cap = 0, indefinite = 0;
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
-    const FibreState s = fibre_state(e);
+    const FibreState s = compute_fibre_state(position, e);
     shear = std::max(shear, std::abs(s.gamma));
     longest = std::max({longest, s.la, s.lb});
     shortest = std::min({shortest, s.la, s.lb});
     if (own_) continue;
     beyond_cap += std::visit([&](const auto& law) { return law.is_beyond_cap(s.la, s.lb); }, *law_);
-    indefinite += compute_smallest_eigenvalue(potential(e)) < 0;
+    indefinite += compute_smallest_eigenvalue(compute_potential(s)) < 0;
   }
   std::vector<exchange::SummaryItem> items{{"shear angle up to", "deg", shear * kDegrees},
                                            {"fibre strain up to", "%", 100 * (longest - 1)},

@@ -27,10 +27,10 @@ class FabricLayer final : public solve::LayerMechanics {
   void compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                mechanics::NodalVectors& force) override;
   double internal_energy() const override { return energy_ + edge_energy_; }
-  double compute_stable_increment() override;
+  double compute_stable_increment(const mechanics::NodalVectors& position) override;
   mechanics::Scalars compute_nodal_thickness() const override;
-  std::vector<observe::Field> compute_fields() const override;
-  std::vector<exchange::SummaryItem> summarise() const override;
+  std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const override;
+  std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const override;
   void add_state_to(mechanics::Digest& digest) const override;
 
  private:
@@ -39,8 +39,8 @@ class FabricLayer final : public solve::LayerMechanics {
   /// First pass of the woven laws. @param x  rows of the nodal positions
   MembraneResult stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
-  FibreState fibre_state(Eigen::Index e) const;
-  Potential potential(Eigen::Index e) const;
+  FibreState compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const;
+  Potential compute_potential(const FibreState& s) const;
 
   // constant
   std::string name_;

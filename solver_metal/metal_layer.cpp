@@ -73,7 +73,7 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
       mass_(mechanics::compute_lumped_mass(mesh, layer.thickness, density)),
       shell_(mesh, find_frame_angle(layer),
              {compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), layer.thickness * density},
-             layer.threads),
+             layer.threads, own_ ? solve::Keep::All : solve::Keep::Rings),
       bending_frequency2_(mechanics::compute_bending_frequencies2(
           shell_.geometry(), compute_plate_stiffness(law_, own_.get(), rule_, layer.thickness), mass_,
           shell_.edges().inertia())),
@@ -113,7 +113,6 @@ SheetRows MetalLayer::make_rows() {
 
 void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                          mechanics::NodalVectors& force) {
-  shell_.advance_edges(now.dt);
   if (own_) own_->begin(position, now);
   const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
   const auto facets = [&](Eigen::Index, Eigen::Index begin, Eigen::Index end) -> Eigen::Index {
@@ -124,12 +123,13 @@ void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position
     blocks_[static_cast<std::size_t>(block)] =
         own_ ? advance_own(begin, end) : kernels_.advance(shell_.rows(), rows_, constants_, phi, begin, end);
   };
-  if (const Eigen::Index bad = shell_.run_passes(facets, advance); bad >= 0) report(bad, position, now.time);
+  const solve::Shell::Result result = shell_.compute_forces(now.dt, facets, advance, force);
+  if (result.bad >= 0) report(result.bad, position, now.time);
   for (const SheetAdvance& block : blocks_) {
     if (block.bad >= 0) report(block.bad, position, now.time);
     internal_energy_ += block.work;
   }
-  internal_energy_ += shell_.compute_forces(now.dt, force);
+  internal_energy_ += result.energy;
 }
 
 SheetAdvance MetalLayer::advance_own(Eigen::Index begin, Eigen::Index end) {
@@ -200,7 +200,7 @@ MetalLayer::CornerGradients MetalLayer::compute_corner_gradients(Eigen::Index e)
   return corner;
 }
 
-double MetalLayer::compute_stable_increment() {
+double MetalLayer::compute_stable_increment(const mechanics::NodalVectors&) {
   nodal_stiffness_.setZero();  // q of (T2)
   for (Eigen::Index e = 0; e < n_elements(); ++e) {
     const CornerGradients corner = compute_corner_gradients(e);
@@ -234,7 +234,7 @@ double MetalLayer::compute_stable_increment() {
 }
 
 void MetalLayer::report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const {
-  const double area_ratio = shell_.passes().area_ratio(e);
+  const double area_ratio = mechanics::compute_surface_gradient(shell_.geometry(), position, e).area_ratio;
   mechanics::Vector3 centre = mechanics::Vector3::Zero();
   for (int k = 0; k < 3; ++k) centre += mechanics::at(position, shell_.geometry().nodes(k, e)) / 3;
   std::ostringstream text;

@@ -32,10 +32,10 @@ class MetalLayer : public solve::LayerMechanics {
   void compute_internal_forces(const mechanics::NodalVectors& position, const solve::Instant& now,
                                mechanics::NodalVectors& force) override;
   double internal_energy() const override { return internal_energy_; }
-  double compute_stable_increment() override;
+  double compute_stable_increment(const mechanics::NodalVectors& position) override;
   mechanics::Scalars compute_nodal_thickness() const override;
-  std::vector<observe::Field> compute_fields() const override;
-  std::vector<exchange::SummaryItem> summarise() const override;
+  std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const override;
+  std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const override;
   void add_state_to(mechanics::Digest& digest) const override;
 
  private:

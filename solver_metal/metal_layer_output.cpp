@@ -35,7 +35,7 @@ mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
   return nodal;
 }
 
-std::vector<observe::Field> MetalLayer::compute_fields() const {
+std::vector<observe::Field> MetalLayer::compute_fields(const mechanics::NodalVectors&) const {
   const Eigen::Index n = n_elements();
   const int points = rule_.size(), low = (points - 1) / 2, high = points / 2;  // equal for an odd number of points
   const auto midsurface = [&](Eigen::Index e) {
@@ -75,7 +75,7 @@ std::vector<observe::Field> MetalLayer::compute_fields() const {
   return fields;
 }
 
-std::vector<exchange::SummaryItem> MetalLayer::summarise() const {
+std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalVectors&) const {
   double von_mises = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e)
     for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));

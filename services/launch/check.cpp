@@ -55,7 +55,7 @@ LayerCheck check_layer(const scene::Scene& scene, int index, std::unique_ptr<sol
   LayerCheck check{&layer, mesh.n_nodes(), mesh.n_elements()};
   check.mass = mechanics::compute_lumped_mass(mesh, layer.thickness, layer.density).sum();
   check.step_seconds = measure_step(*kept, mesh);
-  check.stable_increment = kept->compute_stable_increment();
+  check.stable_increment = kept->compute_stable_increment(mesh.reference);
   return check;
 }
 

@@ -50,9 +50,7 @@ CurvatureOperator compute_curvature_operator(const ShellGeometry& s, Eigen::Inde
 }  // namespace
 
 EdgeMotion::EdgeMotion(const ShellGeometry& shell, const Plate& plate)
-    : first_(shell.edge_sides.row(0)),
-      second_(shell.edge_sides.row(1)),
-      inertia_(Scalars::Zero(shell.n_edges())),
+    : inertia_(Scalars::Zero(shell.n_edges())),
       mobility_(inertia_),
       decay_(inertia_),
       angle_(inertia_),
@@ -60,8 +58,6 @@ EdgeMotion::EdgeMotion(const ShellGeometry& shell, const Plate& plate)
       torque_(inertia_),
       friction_(inertia_),
       kernels_(choose_shell_pass_kernels()) {
-  for (int& side : second_)
-    if (side < 0) side = static_cast<int>(3 * shell.n_elements());
   Scalars stiffness = Scalars::Zero(shell.n_edges());
   for (Eigen::Index e = 0; e < shell.n_elements(); ++e)
     for (int k = 0; k < 3; ++k) {
@@ -79,16 +75,16 @@ EdgeMotion::EdgeMotion(const ShellGeometry& shell, const Plate& plate)
 }
 
 EdgeRows EdgeMotion::rows() {
-  return {first_.data(), second_.data(), inertia_.data(), mobility_.data(), decay_.data(),
-          angle_.data(), rate_.data(),   torque_.data(),  friction_.data()};
+  return {inertia_.data(), mobility_.data(), decay_.data(),   angle_.data(),
+          rate_.data(),    torque_.data(),   friction_.data()};
 }
 
 void EdgeMotion::advance(double dt, Eigen::Index begin, Eigen::Index end) {
   if (dt != 0) kernels_.advance_edges(rows(), 0.5 * (last_dt_ + dt), dt, begin, end);
 }
 
-EdgeEnergies EdgeMotion::update_torques(const ShellPasses& passes, double dt, Eigen::Index begin, Eigen::Index end) {
-  return kernels_.update_torques(rows(), passes.slope_moment.data(), dt, begin, end);
+EdgeEnergies EdgeMotion::update_torques(const ShellRows& shell, double dt, Eigen::Index begin, Eigen::Index end) {
+  return kernels_.update_torques(shell, rows(), dt, begin, end);
 }
 
 double EdgeMotion::finish(double dt, const EdgeEnergies& all) {

@@ -38,8 +38,8 @@ class EdgeMotion {
   /// phi(n - 1) -> phi(n): kick with the last torques over (dt_old + dt)/2, drift over `dt`, for the edges [begin,
   /// end). dt = 0: nothing moves.
   void advance(double dt, Eigen::Index begin, Eigen::Index end);
-  /// Torques at n from the passes of n, for the edges [begin, end).
-  EdgeEnergies update_torques(const ShellPasses& passes, double dt, Eigen::Index begin, Eigen::Index end);
+  /// Torques at n from the second pass of n, for the edges [begin, end).
+  EdgeEnergies update_torques(const ShellRows& shell, double dt, Eigen::Index begin, Eigen::Index end);
   /// Once all edges are through: the energy that left the shell towards them since the last torques, to be booked with
   /// its internal energy, mJ: the change of their kinetic energy, which balances to round-off at constant dt, and the
   /// work of the damping.
@@ -48,10 +48,9 @@ class EdgeMotion {
  private:
   EdgeRows rows();
 
-  Eigen::ArrayXi first_, second_;  ///< sides of each edge; second 3 n_el: none
-  Scalars inertia_;                ///< t mm2
-  Scalars mobility_;               ///< 1/J, 0 where the edge is mirrored
-  Scalars decay_;                  ///< damping torque / (J phi'), 1/s
+  Scalars inertia_;   ///< t mm2
+  Scalars mobility_;  ///< 1/J, 0 where the edge is mirrored
+  Scalars decay_;     ///< damping torque / (J phi'), 1/s
   Scalars angle_, rate_;
   Scalars torque_;      ///< -dW/dphi, N mm
   Scalars friction_;    ///< damping torque, N mm

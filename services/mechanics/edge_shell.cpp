@@ -64,26 +64,13 @@ void number_edges(const TriangleMesh& mesh, ShellGeometry& s) {
   s.mirror.conservativeResize(2, count);
 }
 
-/// Connectivity in the form that kernels want: no case distinctions.
-void number_across(ShellGeometry& s) {
+/// Free and mirrored sides.
+void mark_sides(ShellGeometry& s) {
   const Eigen::Index n = s.n_elements();
-  s.across.resize(3, n);
-  s.opposite.resize(3, n);
-  s.hinged = decltype(s.hinged)::Ones(3, n);
+  s.hinged = (s.neighbour >= 0).cast<signed char>();
   for (Eigen::Index e = 0; e < n; ++e)
-    for (int k = 0; k < 3; ++k) {
-      const int own = static_cast<int>(k * n + e);
-      s.across(k, e) = s.neighbour(k, e);
-      s.opposite(k, e) = s.find_opposite(k, e);
-      if (s.neighbour(k, e) < 0) {
-        s.across(k, e) = static_cast<int>(e);
-        s.opposite(k, e) = own;
-        s.hinged(k, e) = 0;
-      } else if (s.neighbour(k, e) == e) {
-        s.across(k, e) = static_cast<int>(n + static_cast<Eigen::Index>(s.images.size()));
-        s.images.push_back(own);
-      }
-    }
+    for (int k = 0; k < 3; ++k)
+      if (s.neighbour(k, e) == e) s.images.push_back(static_cast<int>(k * n + e));
   s.image_plane.resize(2, static_cast<Eigen::Index>(s.images.size()));
   for (std::size_t i = 0; i < s.images.size(); ++i)
     s.image_plane.col(static_cast<Eigen::Index>(i)) = s.mirror.col(s.edge(s.images[i] / n, s.images[i] % n));
@@ -111,20 +98,45 @@ ShellGeometry make_shell_geometry(const TriangleMesh& mesh, double angle) {
   s.side.resize(3, n);
   compute_shape_gradients(mesh, angle, s);
   number_edges(mesh, s);
-  number_across(s);
+  mark_sides(s);
   s.gather = make_incidence(s.nodes.data(), 3, n, mesh.n_nodes());
   return s;
 }
 
-ShellPasses::ShellPasses(const ShellGeometry& shell)
-    : f1(3, shell.n_elements()),
-      f2(3, shell.n_elements()),
-      t3(3, shell.n_elements() + static_cast<Eigen::Index>(shell.images.size())),
-      area_ratio(shell.n_elements()),
-      membrane(NodalVectors::Zero(3, shell.n_elements())),
-      slope_moment(Scalars::Zero(3 * shell.n_elements() + 1)),
-      hinge_factor(Scalars::Zero(3 * shell.n_elements())),
-      height_force(Scalars::Zero(3 * shell.n_elements())) {}
+ShellPasses::ShellPasses(const ShellGeometry& shell, const Rings& r)
+    : rings(r),
+      f1(3, rings.facets.stride),
+      f2(3, rings.facets.stride),
+      t3(3, rings.facets.stride + static_cast<Eigen::Index>(shell.images.size())),
+      area_ratio(rings.facets.stride),
+      membrane(NodalVectors::Zero(3, rings.facets.stride)),
+      slope_moment(Scalars::Zero(3 * rings.moments.stride + 1)),
+      hinge_factor(Scalars::Zero(3 * rings.moments.stride)),
+      height_force(Scalars::Zero(3 * rings.moments.stride)),
+      corner_force(NodalVectors::Zero(3, 3 * rings.corners.stride)),
+      across(3, shell.n_elements()),
+      opposite(3, shell.n_elements()) {
+  const Eigen::Index n = shell.n_elements();
+  const auto find = [n](Eigen::Index side, const Ring& ring) {
+    return static_cast<int>(side / n * ring.stride + side % n % ring.size);
+  };
+  for (Eigen::Index e = 0; e < n; ++e)
+    for (int k = 0; k < 3; ++k) {
+      const int other = shell.find_opposite(k, e);
+      across(k, e) = static_cast<int>((other < 0 ? e : shell.neighbour(k, e)) % rings.facets.size);
+      opposite(k, e) = find(other < 0 ? k * n + e : other, rings.moments);
+    }
+  for (const int side : shell.images) {
+    across(side / n, side % n) = static_cast<int>(rings.facets.stride + static_cast<Eigen::Index>(image_facet.size()));
+    image_facet.push_back(static_cast<int>(side % n % rings.facets.size));
+  }
+  for (Eigen::Index i = 0; i < shell.n_edges(); ++i) {
+    first_side.push_back(find(shell.edge_sides(0, i), rings.moments));
+    const int beyond = shell.edge_sides(1, i);
+    second_side.push_back(beyond < 0 ? static_cast<int>(3 * rings.moments.stride) : find(beyond, rings.moments));
+  }
+  for (const int corner : shell.gather.entry) gather_entry.push_back(find(corner, rings.corners));
+}
 
 void ShellPasses::store_facet(Eigen::Index e, const SurfaceGradient& g) {
   for (int c = 0; c < 3; ++c) {
@@ -133,27 +145,6 @@ void ShellPasses::store_facet(Eigen::Index e, const SurfaceGradient& g) {
     t3(c, e) = g.t3(c);
   }
   area_ratio(e) = g.area_ratio;
-}
-
-ShellRows::ShellRows(const ShellGeometry& s, ShellPasses& passes) : n(s.n_elements()) {
-  for (int k = 0; k < 3; ++k) {
-    node[k] = &s.nodes(k, 0);
-    across[k] = &s.across(k, 0);
-    opposite[k] = &s.opposite(k, 0);
-    edge[k] = &s.edge(k, 0);
-    side[k] = &s.side(k, 0);
-    hinged[k] = &s.hinged(k, 0);
-    f1[k] = &passes.f1(k, 0);
-    f2[k] = &passes.f2(k, 0);
-    t3[k] = &passes.t3(k, 0);
-    membrane[k] = &passes.membrane(k, 0);
-  }
-  for (int i = 0; i < 6; ++i) gradient[i] = &s.gradient(i, 0);
-  area = s.area.data();
-  area_ratio = passes.area_ratio.data();
-  slope_moment = passes.slope_moment.data();
-  hinge_factor = passes.hinge_factor.data();
-  height_force = passes.height_force.data();
 }
 
 Curvature compute_curvature(const ShellGeometry& s, const ShellPasses& passes, const Scalars& phi, Eigen::Index e) {

@@ -36,24 +36,22 @@
 
 namespace interply::mechanics {
 
+/// Small numbers of the sides of elements.
+using Signs = Eigen::Array<signed char, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Reference geometry and connectivity; rows over constants, elements innermost.
 struct ShellGeometry {
   Triangles nodes;  ///< corners                                                                    [3 x n_el]
   /// dN_k/dX_a, row 2k + a. [6 x n_el] 1/mm
   Eigen::Array<double, 6, Eigen::Dynamic, Eigen::RowMajor> gradient;
-  Scalars area;         ///< A, reference                                                           [n_el] mm2
-  Triangles neighbour;  ///< element across edge k; itself where mirrored, -1 where free            [3 x n_el]
-  /// The same for ShellPasses::t3: facet across, an image n_el + i where mirrored, itself where free. [3 x n_el]
-  Triangles across;
-  Triangles opposite;  ///< find_opposite(); the own side where free                                [3 x n_el]
-  /// 1, or 0 at a free edge. [3 x n_el]
-  Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> hinged;
-  std::vector<int> images;  ///< sides with a mirror image, in the order of the images
+  Scalars area;             ///< A, reference                                                           [n_el] mm2
+  Triangles neighbour;      ///< element across edge k; itself where mirrored, -1 where free            [3 x n_el]
+  Signs hinged;             ///< 1, or 0 at a free edge                                                 [3 x n_el]
+  std::vector<int> images;  ///< sides with a mirror image, by element
   /// Normal of the mirror plane of each image, x and y. [2 x images]
   Eigen::Array<double, 2, Eigen::Dynamic, Eigen::RowMajor> image_plane;
   Triangles edge;  ///< number of edge k                                                       [3 x n_el]
-  /// s of (B2): 1, -1, or 0 where mirrored. [3 x n_el]
-  Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> side;
+  Signs side;      ///< s of (B2): 1, -1, or 0 where mirrored                                  [3 x n_el]
   /// Sides k * n_el + e of the first and second element of an edge; -1: no second. [2 x n_edges]
   Eigen::Array<int, 2, Eigen::Dynamic, Eigen::RowMajor> edge_sides;
   /// Unit normal of the vertical plane of a mirrored edge, x and y; 0 at the others. [2 x n_edges]
@@ -101,22 +99,49 @@ inline SurfaceGradient compute_surface_gradient(const ShellGeometry& s, const No
   return g;
 }
 
-/// What the elements of a shell tell each other within one evaluation: three passes over the elements, each complete
-/// before the next (1: facet, 2: curvature and moments, 3: forces).
-struct ShellPasses {
-  explicit ShellPasses(const ShellGeometry& shell);
+/// Columns of what one pass hands to the next: element e lies in column e % size, of rows that are `stride` long.
+struct Ring {
+  Eigen::Index size, stride;
+};
+struct Rings {
+  Ring facets, moments, corners;
+};
+inline Rings make_whole_rings(Eigen::Index n_elements) {
+  const Ring all{n_elements, n_elements};
+  return {all, all, all};
+}
 
-  NodalVectors f1, f2;  ///< 1: SurfaceGradient                                            [3 x n_el]
-  NodalVectors t3;      ///< 1, and behind the elements the mirror images of facets     [3 x n_el + images]
-  Scalars area_ratio;   ///< 1                                                             [n_el]
-  /// A n_ab = A (n11, n22, n12), membrane forces per reference width as work conjugate to E_ab. [3 x n_el] N mm
+/// What the elements of a shell tell each other within one evaluation: three passes over the elements (1: facet, 2:
+/// curvature and moments, 3: forces), each complete in an element and its neighbours before the next.
+///
+/// Passes that trail each other closely need only rings of a few elements, which stay in the cache (solve/trail.hpp):
+/// element e lies in column e % size, its side k in column k * stride + e % size. The kernels of shell_passes.hpp find
+/// their neighbours there. The functions on single elements below want rings of all elements, where that is e.
+struct ShellPasses {
+  explicit ShellPasses(const ShellGeometry& shell) : ShellPasses(shell, make_whole_rings(shell.n_elements())) {}
+  ShellPasses(const ShellGeometry& shell, const Rings& rings);
+
+  Rings rings;
+  // ring of facets; n: its stride
+  NodalVectors f1, f2;  ///< 1: SurfaceGradient                                            [3 x n]
+  NodalVectors t3;      ///< 1, and behind the ring the mirror images of facets         [3 x n + images]
+  Scalars area_ratio;   ///< 1                                                             [n]
+  /// A n_ab = A (n11, n22, n12), membrane forces per reference width as work conjugate to E_ab. [3 x n] N mm
   NodalVectors membrane;
-  /// 2: P_k of (B4). [3 n_el + 1, side k of element e at k * n_el + e; the last stays 0] N mm
-  Scalars slope_moment;
-  /// 2: 1/2 cos(theta/2) of (B5), 0 at a free edge. [3 n_el]
-  Scalars hinge_factor;
-  /// 2: 2 alpha_k q_k of (B6). [3 n_el] N
-  Scalars height_force;
+  // ring of moments; n: its stride
+  Scalars slope_moment;  ///< 2: P_k of (B4); the last stays 0                            [3 n + 1] N mm
+  Scalars hinge_factor;  ///< 2: 1/2 cos(theta/2) of (B5), 0 at a free edge               [3 n]
+  Scalars height_force;  ///< 2: 2 alpha_k q_k of (B6)                                    [3 n] N
+  // ring of corners; n: its stride
+  NodalVectors corner_force;  ///< 3: force on corner k, of membrane and bending          [3 x 3 n] N
+
+  // where in the rings
+  Triangles across;              ///< t3 across edge k: facet, image where mirrored, own where free       [3 x n_el]
+  Triangles opposite;            ///< slope_moment of find_opposite(), of the own side where free         [3 x n_el]
+  std::vector<int> image_facet;  ///< t3 of the facet of each image                                       [images]
+  /// slope_moment of the sides of each edge; second: that of the last, which is 0, where there is none. [n_edges]
+  std::vector<int> first_side, second_side;
+  std::vector<int> gather_entry;  ///< corner_force of the entries of ShellGeometry::gather
 
   SurfaceGradient facet(Eigen::Index e) const { return {at(f1, e), at(f2, e), at(t3, e), area_ratio(e)}; }
   void store_facet(Eigen::Index e, const SurfaceGradient& g);
@@ -130,7 +155,7 @@ struct Curvature {
   double hinge_factor[3] = {};  ///< 1/2 cos(theta/2), 0 at a free edge
 };
 
-/// (B1) to (B3). @pre pass 1 of the element and its neighbours
+/// (B1) to (B3). @pre pass 1 of the element and its neighbours; rings of all elements here and below
 /// @param phi  rotation of each edge [n_edges]
 Curvature compute_curvature(const ShellGeometry& s, const ShellPasses& passes, const Scalars& phi, Eigen::Index e);
 

@@ -54,16 +54,18 @@ inline Facet<Real> compute_facet(const ShellRows& s, const Lanes& lanes, const d
 
 template <class Real, class Lanes>
 inline void store_facet(const ShellRows& s, const Lanes& lanes, const Facet<Real>& f) {
-  lanes.store(s.f1[0], s.f1[1], s.f1[2], f.f1);
-  lanes.store(s.f2[0], s.f2[1], s.f2[2], f.f2);
-  lanes.store(s.t3[0], s.t3[1], s.t3[2], f.t3);
-  lanes.store(s.area_ratio, f.area_ratio);
+  const Lanes own = lanes.moved(s.facets.shift);
+  own.store(s.f1[0], s.f1[1], s.f1[2], f.f1);
+  own.store(s.f2[0], s.f2[1], s.f2[2], f.f2);
+  own.store(s.t3[0], s.t3[1], s.t3[2], f.t3);
+  own.store(s.area_ratio, f.area_ratio);
 }
 
 template <class Real, class Lanes>
 inline Facet<Real> load_facet(const ShellRows& s, const Lanes& lanes) {
-  return {lanes.load(s.f1[0], s.f1[1], s.f1[2]), lanes.load(s.f2[0], s.f2[1], s.f2[2]),
-          lanes.load(s.t3[0], s.t3[1], s.t3[2]), lanes.load(s.area_ratio)};
+  const Lanes own = lanes.moved(s.facets.shift);
+  return {own.load(s.f1[0], s.f1[1], s.f1[2]), own.load(s.f2[0], s.f2[1], s.f2[2]), own.load(s.t3[0], s.t3[1], s.t3[2]),
+          own.load(s.area_ratio)};
 }
 
 /// From corner k + 1 to k + 2: 2 A (N_k,2 f1 - N_k,1 f2).
@@ -97,8 +99,8 @@ inline PackCurvature<Real> compute_curvature(const ShellRows& s, const Lanes& la
     const Real cosine = simd::sqrt(Real(0.5) * (Real(1.0) + dot(f.t3, across)));  // of theta/2
     const Real inverse = Real(1.0) / (length * cosine), hinged = lanes.load(s.hinged[k]);
     c.height[k] = twice_area * (inverse * cosine);
-    c.slope[k] = lanes.load(s.side[k]) * simd::gather<Real>(phi, lanes.load(s.edge[k])) +
-                 Real(0.5) * hinged * inverse * dot(edge, cross(across, f.t3));  // (B1), (B2)
+    const Real turn = lanes.load(s.side[k]) * simd::gather<Real>(phi, lanes.load(s.edge[k]));
+    c.slope[k] = simd::fuse(Real(0.5) * hinged * inverse, dot(edge, cross(across, f.t3)), turn);  // (B1), (B2)
     c.hinge_factor[k] = Real(0.5) * hinged * cosine;
     const Real n1 = c.gradient.n1[k], n2 = c.gradient.n2[k], a = Real(2.0) * c.height[k] * c.slope[k];
     c.k11 += a * n1 * n1;  // (B3)
@@ -112,21 +114,20 @@ inline PackCurvature<Real> compute_curvature(const ShellRows& s, const Lanes& la
 template <class Real, class Lanes>
 inline void store_moments(const ShellRows& s, const Lanes& lanes, const PackCurvature<Real>& c, const Real& m11,
                           const Real& m22, const Real& m12) {
+  const Lanes own = lanes.moved(s.moments.shift);
   for (int k = 0; k < 3; ++k) {
     const Real n1 = c.gradient.n1[k], n2 = c.gradient.n2[k];
     const Real twice_q = Real(2.0) * c.area * (m11 * n1 * n1 + m22 * n2 * n2 + Real(2.0) * m12 * n1 * n2);
-    lanes.store(s.slope_moment + k * s.n, c.height[k] * twice_q);
-    lanes.store(s.height_force + k * s.n, c.slope[k] * twice_q);
-    lanes.store(s.hinge_factor + k * s.n, c.hinge_factor[k]);
+    own.store(s.slope_moment + k * s.moments.stride, c.height[k] * twice_q);
+    own.store(s.height_force + k * s.moments.stride, c.slope[k] * twice_q);
+    own.store(s.hinge_factor + k * s.moments.stride, c.hinge_factor[k]);
   }
 }
 
 /// n_ab times the reference area, N mm.
 template <class Real, class Lanes>
 inline void store_membrane(const ShellRows& s, const Lanes& lanes, const Real& n11, const Real& n22, const Real& n12) {
-  lanes.store(s.membrane[0], n11);
-  lanes.store(s.membrane[1], n22);
-  lanes.store(s.membrane[2], n12);
+  lanes.moved(s.facets.shift).store(s.membrane[0], s.membrane[1], s.membrane[2], {n11, n22, n12});
 }
 
 }  // namespace

@@ -8,22 +8,24 @@ namespace {
 using simd::Index;
 using Real = simd::Pack;
 
-void reflect_facets(const ShellRows& s, const int* images, const double* const mirror[2], Index begin, Index end) {
+void reflect_facets(const ShellRows& s, Index begin, Index end) {
+  const double* const* mirror = s.image_plane;
   for (Index i = begin; i < end; ++i) {
-    const Index e = images[i] % s.n;
+    const Index e = s.image_facet[i], image = s.facets.stride + i;
     const double twice = 2 * (mirror[0][i] * s.t3[0][e] + mirror[1][i] * s.t3[1][e]);
-    s.t3[0][s.n + i] = s.t3[0][e] - twice * mirror[0][i];
-    s.t3[1][s.n + i] = s.t3[1][e] - twice * mirror[1][i];
-    s.t3[2][s.n + i] = s.t3[2][e];
+    s.t3[0][image] = s.t3[0][e] - twice * mirror[0][i];
+    s.t3[1][image] = s.t3[1][e] - twice * mirror[1][i];
+    s.t3[2][image] = s.t3[2][e];
   }
 }
 
 template <class Lanes>
-void compute_corner_forces(const ShellRows& s, double* const slot[3], const Lanes& lanes) {
+void compute_corner_forces(const ShellRows& s, const Lanes& lanes) {
+  const Lanes facet = lanes.moved(s.facets.shift), side = lanes.moved(s.moments.shift);
   const Facet<Real> f = load_facet<Real>(s, lanes);
   const Gradient<Real> g = load_gradient<Real>(s, lanes);
   const Real area = lanes.load(s.area), per_area = Real(0.5) / (area * f.area_ratio);
-  const Real n11 = lanes.load(s.membrane[0]), n22 = lanes.load(s.membrane[1]), n12 = lanes.load(s.membrane[2]);
+  const Real n11 = facet.load(s.membrane[0]), n22 = facet.load(s.membrane[1]), n12 = facet.load(s.membrane[2]);
   const Vec3<Real> p1 = n11 * f.f1 + n12 * f.f2, p2 = n12 * f.f1 + n22 * f.f2;
   Vec3<Real> force[3], edge[3];
   for (int k = 0; k < 3; ++k) {
@@ -32,22 +34,26 @@ void compute_corner_forces(const ShellRows& s, double* const slot[3], const Lane
   }
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const Real own = lanes.load(s.slope_moment + k * s.n);
+    const Real own = side.load(s.slope_moment + k * s.moments.stride);
     const Real beyond = simd::gather<Real>(s.slope_moment, lanes.load(s.opposite[k]));
-    const Real hinge = lanes.load(s.hinge_factor + k * s.n) * (own + beyond);  // (B5)
+    const Real hinge = side.load(s.hinge_factor + k * s.moments.stride) * (own + beyond);  // (B5)
     const Real length2 = dot(edge[k], edge[k]), length = simd::sqrt(length2), inverse = Real(1.0) / length;
     const Vec3<Real> b = (hinge * length * per_area) * f.t3 -
-                         (lanes.load(s.height_force + k * s.n) * inverse) * cross(edge[k], f.t3);  // (B6)
-    const Real at_i = -dot(edge[i], edge[k]) * (inverse * inverse);                                // lever rule
+                         (side.load(s.height_force + k * s.moments.stride) * inverse) * cross(edge[k], f.t3);  // (B6)
+    const Real at_i = -dot(edge[i], edge[k]) * (inverse * inverse);  // lever rule
     force[k] += b;
     force[i] -= at_i * b;
     force[j] -= (Real(1.0) - at_i) * b;
   }
-  for (int k = 0; k < 3; ++k) lanes.store(slot[0] + k * s.n, slot[1] + k * s.n, slot[2] + k * s.n, force[k]);
+  const Lanes corner = lanes.moved(s.corners.shift);
+  for (int k = 0; k < 3; ++k) {
+    const Index row = k * s.corners.stride;
+    corner.store(s.corner_force[0] + row, s.corner_force[1] + row, s.corner_force[2] + row, force[k]);
+  }
 }
 
-void compute_all_corner_forces(const ShellRows& s, double* const slot[3], Index begin, Index end) {
-  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { compute_corner_forces(s, slot, lanes); });
+void compute_all_corner_forces(const ShellRows& s, Index begin, Index end) {
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { compute_corner_forces(s, lanes); });
 }
 
 void advance_edges(const EdgeRows& edges, double span, double dt, Index begin, Index end) {
@@ -61,12 +67,12 @@ void advance_edges(const EdgeRows& edges, double span, double dt, Index begin, I
   });
 }
 
-EdgeEnergies update_torques(const EdgeRows& edges, const double* slope_moment, double dt, Index begin, Index end) {
+EdgeEnergies update_torques(const ShellRows& s, const EdgeRows& edges, double dt, Index begin, Index end) {
   const Real half(0.5), one(1.0), step(dt), half_step(0.5 * dt);
   simd::Sum<Real> kinetic(begin), work(begin);
   simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
-    const Real torque = simd::gather<Real>(slope_moment, lanes.load(edges.second)) -
-                        simd::gather<Real>(slope_moment, lanes.load(edges.first));
+    const Real torque = simd::gather<Real>(s.slope_moment, lanes.load(s.second_side)) -
+                        simd::gather<Real>(s.slope_moment, lanes.load(s.first_side));
     lanes.store(edges.torque, torque);
     const Real rate = lanes.load(edges.rate), decay = lanes.load(edges.decay), inertia = lanes.load(edges.inertia);
     const Real half_decay = half_step * decay;
@@ -79,15 +85,14 @@ EdgeEnergies update_torques(const EdgeRows& edges, const double* slope_moment, d
   return {kinetic.total(), work.total()};
 }
 
-void gather_forces(const int* start, const int* entry, const double* const slot[3], double* const force[3], Index begin,
-                   Index end) {
+void gather_forces(const ShellRows& s, double* const force[3], Index begin, Index end) {
   for (Index i = begin; i < end; ++i) {
     double x = 0, y = 0, z = 0;
-    for (int k = start[i]; k < start[i + 1]; ++k) {
-      const int at = entry[k];
-      x += slot[0][at];
-      y += slot[1][at];
-      z += slot[2][at];
+    for (int k = s.gather_start[i]; k < s.gather_start[i + 1]; ++k) {
+      const int at = s.gather_entry[k];
+      x += s.corner_force[0][at];
+      y += s.corner_force[1][at];
+      z += s.corner_force[2][at];
     }
     force[0][i] = x;
     force[1][i] = y;

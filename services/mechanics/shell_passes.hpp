@@ -11,7 +11,6 @@ namespace interply::mechanics {
 
 /// Rows over the edges (EdgeMotion).
 struct EdgeRows {
-  const int *first, *second;                 ///< their sides; second: 3 n_el where there is none
   const double *inertia, *mobility, *decay;  ///< J, 1/J or 0, damping torque/(J phi')
   double *angle, *rate, *torque, *friction;  ///< phi, phi', -dW/dphi, damping torque
 };
@@ -23,21 +22,17 @@ struct EdgeEnergies {
 };
 
 struct ShellPassKernels {
-  /// Mirror images [begin, end) of the facets `images` (sides) of the symmetry edges, behind the elements in t3.
-  /// @param mirror  normal of the mirror plane of each image, rows x and y
-  void (*reflect_facets)(const ShellRows& shell, const int* images, const double* const mirror[2], std::ptrdiff_t begin,
-                         std::ptrdiff_t end);
-  /// Third pass: force of element e on its corner k, of membrane and bending (B5, B6), into column k n + e of `slot`,
-  /// N.
-  void (*compute_corner_forces)(const ShellRows& shell, double* const slot[3], std::ptrdiff_t begin,
-                                std::ptrdiff_t end);
+  /// Mirror images [begin, end) of facets, behind the ring in t3.
+  void (*reflect_facets)(const ShellRows& shell, std::ptrdiff_t begin, std::ptrdiff_t end);
+  /// Third pass: corner_force of the elements (B5, B6).
+  void (*compute_corner_forces)(const ShellRows& shell, std::ptrdiff_t begin, std::ptrdiff_t end);
   /// Kick with the last torques over `span`, drift over `dt`.
   void (*advance_edges)(const EdgeRows& edges, double span, double dt, std::ptrdiff_t begin, std::ptrdiff_t end);
-  EdgeEnergies (*update_torques)(const EdgeRows& edges, const double* slope_moment, double dt, std::ptrdiff_t begin,
+  /// Torques from the second pass of the elements of the edges.
+  EdgeEnergies (*update_torques)(const ShellRows& shell, const EdgeRows& edges, double dt, std::ptrdiff_t begin,
                                  std::ptrdiff_t end);
-  /// Sum of the slots of each node in the order of the incidence (mesh.hpp).
-  void (*gather_forces)(const int* start, const int* entry, const double* const slot[3], double* const force[3],
-                        std::ptrdiff_t begin, std::ptrdiff_t end);
+  /// Sum of the corner forces of each node in the order of the incidence (mesh.hpp). @param force  rows, N
+  void (*gather_forces)(const ShellRows& shell, double* const force[3], std::ptrdiff_t begin, std::ptrdiff_t end);
 };
 
 template <class Target>

@@ -47,6 +47,7 @@ using Mask = typename Traits<Real>::Mask;
 
 // The same names for packs and for single doubles.
 inline double sqrt(double a) { return std::sqrt(a); }
+inline double fuse(double a, double b, double c) { return std::fma(a, b, c); }  // a b + c, rounded once
 inline double exp(double a) { return std::exp(a); }
 inline double log(double a) { return std::log(a); }
 inline double atan(double a) { return std::atan(a); }
@@ -67,6 +68,16 @@ inline Pack min(Pack a, Pack b) { return select(b < a, b, a); }
 inline Pack select(Mask<Pack> m, Pack a, Pack b) { return xsimd::select(m, a, b); }
 inline bool any(Mask<Pack> m) { return xsimd::any(m); }
 inline bool all(Mask<Pack> m) { return xsimd::all(m); }
+#endif
+/// The first `kWidth` numbers of a row.
+#if defined(INTERPLY_TARGET_AVX512)
+inline Pack widen(const signed char* row) {
+  return _mm512_cvtepi32_pd(_mm256_cvtepi8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row))));
+}
+#elif defined(INTERPLY_TARGET_AVX2)
+inline Pack widen(const signed char* row) { return _mm256_cvtepi32_pd(_mm_cvtepi8_epi32(_mm_loadu_si32(row))); }
+#else
+inline Pack widen(const signed char* row) { return *row; }
 #endif
 
 /// `a` to or from `kWidth` doubles of an array on a 64-byte boundary.
@@ -113,6 +124,7 @@ class Lanes {
   using Indices = std::array<int, kWidth>;
 
   Lanes(Index begin, int count) : begin_(begin), count_(count) {}
+  Lanes moved(Index by) const { return {begin_ + by, count_}; }
   Index begin() const { return begin_; }
   int count() const { return kPartial ? count_ : kWidth; }
 
@@ -136,6 +148,17 @@ class Lanes {
       alignas(64) double values[kWidth];
       a.store_aligned(values);
       for (int l = 0; l < count_; ++l) row[begin_ + l] = values[l];
+    }
+  }
+  Real load(const signed char* row) const {
+    if constexpr (kWidth == 1) {
+      return row[begin_];
+    } else if constexpr (!kPartial) {
+      return widen(row + begin_);
+    } else {
+      alignas(64) double values[kWidth];
+      for (int l = 0; l < kWidth; ++l) values[l] = row[at(l)];
+      return Real::load_aligned(values);
     }
   }
   Indices load(const int* row) const {

@@ -37,16 +37,17 @@ class LayerMechanics {
   virtual double internal_energy() const = 0;
 
   /// Largest stable increment of the layer alone from the current tangent, s; no safety factor.
-  virtual double compute_stable_increment() = 0;
+  /// @param position  here and below: that of the last compute_internal_forces(), or the reference before the first
+  virtual double compute_stable_increment(const mechanics::NodalVectors& position) = 0;
 
   /// Current thickness at the nodes, mm [n_nodes], or empty if the thickness is constant.
   virtual mechanics::Scalars compute_nodal_thickness() const { return {}; }
 
   /// Fields of a frame, without the position.
-  virtual std::vector<observe::Field> compute_fields() const = 0;
+  virtual std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const = 0;
 
   /// The few numbers a person wants at the end (largest shear angle, thinning, ...).
-  virtual std::vector<exchange::SummaryItem> summarise() const = 0;
+  virtual std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const = 0;
 
   /// Adds history (plastic strain, stress, ...) to the digest of the final state.
   virtual void add_state_to(mechanics::Digest& digest) const = 0;

@@ -18,21 +18,21 @@ LayerRun::LayerRun(const scene::Scene& scene, int layer, const mechanics::Triang
       old_internal_force_(internal_force_),
       contact_force_(internal_force_) {
   motion_.position = nodes_.position;
-  motion_.vote = mechanics_->compute_stable_increment();
+  motion_.vote = mechanics_->compute_stable_increment(nodes_.position);
   motion_.thickness = mechanics_->compute_nodal_thickness();
 }
 
 void LayerRun::drift(double dt) {
-  mechanics::drift(nodes_, dt);
-  time_ += dt;
   ++motion_.step;
-  motion_.position = nodes_.position;
-  motion_.energies = energies_;
   motion_.thickness.resize(0);
   if (motion_.step % scene_.time.vote_every == 0) {  // from the tangent and thickness of the last step
-    motion_.vote = mechanics_->compute_stable_increment();
+    motion_.vote = mechanics_->compute_stable_increment(nodes_.position);
     motion_.thickness = mechanics_->compute_nodal_thickness();
   }
+  mechanics::drift(nodes_, dt);
+  time_ += dt;
+  motion_.position = nodes_.position;
+  motion_.energies = energies_;
 }
 
 void LayerRun::compute_internal_forces() {
@@ -42,9 +42,9 @@ void LayerRun::compute_internal_forces() {
   energies_.internal_work += mechanics::compute_trapezoid_work(old_internal_force_, internal_force_, nodes_.increment);
 }
 
-void LayerRun::kick(const exchange::Force& force) {
+void LayerRun::kick(exchange::Force& force) {
   energies_.contact_work += mechanics::compute_trapezoid_work(contact_force_, force.force, nodes_.increment);
-  contact_force_ = force.force;
+  contact_force_.swap(force.force);
   energies_.kinetic =
       mechanics::kick(nodes_, force.next_dt, contact_force_, internal_force_, mass_, mesh_.symmetry_nodes);
 }
@@ -64,7 +64,7 @@ observe::LayerFrame LayerRun::describe_frame(int frame) const {
           .step = motion_.step,
           .time = time_,
           .position = nodes_.position,
-          .fields = mechanics_->compute_fields()};
+          .fields = mechanics_->compute_fields(nodes_.position)};
 }
 
 exchange::Final LayerRun::describe_end() const {
@@ -72,7 +72,7 @@ exchange::Final LayerRun::describe_end() const {
   digest.add(nodes_.position);
   digest.add(nodes_.velocity);
   mechanics_->add_state_to(digest);
-  return {.digest = digest.value(), .energies = energies_, .summary = mechanics_->summarise()};
+  return {.digest = digest.value(), .energies = energies_, .summary = mechanics_->summarise(nodes_.position)};
 }
 
 }  // namespace interply::solve

@@ -19,7 +19,8 @@ class LayerRun {
 
   void drift(double dt);                    ///< x(n) -> x(n + 1), prepares motion()
   void compute_internal_forces();           ///< f_int(x(n)) and its work
-  void kick(const exchange::Force& force);  ///< work of the contact force, v(n - 1/2) -> v(n + 1/2), energies at n
+  /// Work of the contact force, v(n - 1/2) -> v(n + 1/2), energies at n. Takes the array away and leaves that of n - 1.
+  void kick(exchange::Force& force);
 
   observe::LayerMesh describe_mesh() const;
   observe::LayerFrame describe_frame(int frame) const;

@@ -27,6 +27,28 @@ void fabric_layer(benchmark::State& state) {
 }
 BENCHMARK(fabric_layer);
 
+/// First pass of a ply alone: facets, law and membrane forces, without bending, edges and the sum over the nodes.
+void fabric_stretch_invariant(benchmark::State& state) {
+  const auto mesh = make_blank();
+  const mechanics::ShellGeometry shell = mechanics::make_shell_geometry(mesh, 0);
+  mechanics::ShellPasses passes(shell);
+  const mechanics::ShellRows rows(shell, passes);
+  const auto law = std::get<fabric::InvariantLaw>(fabric::make_membrane_law(scene::WovenLaw{})).parameters();
+  const NodalVectors shapes[] = {deform(mesh, 20, 0.002), deform(mesh, 20, 0.004)};
+  const auto stretch = [&](const NodalVectors& x) {
+    const double* const at[3] = {&x(0, 0), &x(1, 0), &x(2, 0)};
+    return fabric::choose_fabric_kernels().stretch_invariant(rows, at, law, 1.2, 0, mesh.n_elements()).energy;
+  };
+  stretch(shapes[1]);
+  mechanics::Digest digest;
+  digest.add(passes.membrane);
+  std::size_t n = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(stretch(shapes[n++ % 2]));
+  state.SetItemsProcessed(state.iterations() * mesh.n_elements());
+  state.SetLabel("digest " + mechanics::to_hex(digest.value()));
+}
+BENCHMARK(fabric_stretch_invariant);
+
 /// The same law in Fortran.
 void fabric_layer_vumat(benchmark::State& state) {
   scene::Layer layer = benchmarks::make_ply();

@@ -43,15 +43,15 @@ inline scene::Layer make_sheet() {
   return layer;
 }
 
-/// What one element costs, counted from the sources: bytes of the arrays that a step reads (constants and state once)
-/// and of what one pass hands to the next (written once, read once); flops with a fused multiply-add as 2, a division
-/// or root as 1, exp and log as 25, atan as 35.
+/// What one element costs, counted from the sources: bytes of the arrays that a step reads (constants and state once),
+/// without the rings of what one pass hands to the next, which stay in the cache; flops with a fused multiply-add as 2,
+/// a division or root as 1, exp and log as 25, atan as 35.
 struct Work {
   double bytes = 0, flops = 0;
 };
-/// Facet 43, curvature 188, moments 39, corner forces 242, 1.5 edges 47, sum over the nodes 9. Bytes: 12 indices, 13
-/// constants, 31 doubles from pass to pass, 1.5 edges, position and force.
-inline constexpr Work kShell{830, 568};
+/// Facet 43, curvature 188, moments 39, corner forces 242, 1.5 edges 47, sum over the nodes 9. Bytes: 12 indices, 7
+/// constants, 6 signs, 1.5 edges (2 indices, 3 constants, 4 read and written), position and force.
+inline constexpr Work kShell{292, 568};
 /// Strains of the fibres 58, law 206 with both exponentials of both families, stress and moments 28.
 inline constexpr Work kFabricWork{kShell.bytes, kShell.flops + 292};
 /// Per element 190, per point 50; 7 doubles of state per element and 3 per point, written back, and the yield stress.

@@ -111,21 +111,17 @@ struct Ply {
       r.energy += m.energy;
       r.bound = std::max(
           r.bound, std::holds_alternative<InvariantLaw>(law)
-                       ? fabric.bound_invariant(rows, std::get<InvariantLaw>(law).parameters(), kFloor, begin, end)
-                       : fabric.bound_tables(rows, std::get<TableLaw>(law).parameters(), kFloor, begin, end));
+                       ? fabric.bound_invariant(rows, at, std::get<InvariantLaw>(law).parameters(), kFloor, begin, end)
+                       : fabric.bound_tables(rows, at, std::get<TableLaw>(law).parameters(), kFloor, begin, end));
     }
-    const auto images = static_cast<std::ptrdiff_t>(shell.images.size());
-    const double* const mirror[2] = {shell.image_plane.data(), shell.image_plane.data() + images};
-    common.reflect_facets(rows, shell.images.data(), mirror, 0, images);
+    common.reflect_facets(rows, 0, static_cast<std::ptrdiff_t>(shell.images.size()));
     for (Eigen::Index begin = 0; begin < n; begin += 37)
       r.energy += fabric.bend(rows, phi.data(), kBending, begin, std::min(n, begin + 37));
-    NodalVectors slots(3, 3 * n);
-    double* const slot[3] = {&slots(0, 0), &slots(1, 0), &slots(2, 0)};
     for (Eigen::Index begin = 0; begin < n; begin += 37)
-      common.compute_corner_forces(rows, slot, begin, std::min(n, begin + 37));
+      common.compute_corner_forces(rows, begin, std::min(n, begin + 37));
     r.force.resize(3, mesh.n_nodes());
     double* const force[3] = {&r.force(0, 0), &r.force(1, 0), &r.force(2, 0)};
-    common.gather_forces(shell.gather.start.data(), shell.gather.entry.data(), slot, force, 0, mesh.n_nodes());
+    common.gather_forces(rows, force, 0, mesh.n_nodes());
     r.torque.resize(n_edges);
     for (Eigen::Index i = 0; i < n_edges; ++i) r.torque(i) = mechanics::compute_edge_torque(shell, passes, i);
     return r;

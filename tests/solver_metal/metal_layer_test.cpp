@@ -161,13 +161,13 @@ TEST(MetalShell, FieldsCoverEveryElementAndTheSummaryNamesTheirExtremes) {
   const TriangleMesh mesh = make_distorted_square(40, 8, 0.2);
   Sheet sheet(make_sheet(make_dc04(), 4), mesh);
   sheet.bend(mesh, 1, 40);
-  for (const auto& field : sheet.layer.compute_fields()) {
+  for (const auto& field : sheet.layer.compute_fields(sheet.position)) {
     EXPECT_EQ(static_cast<Eigen::Index>(field.values.size()), mesh.n_elements()) << field.name;
     EXPECT_FALSE(field.nodal);
     EXPECT_FALSE(field.unit.empty());
     EXPECT_FALSE(field.description.empty());
   }
-  const auto summary = sheet.layer.summarise();
+  const auto summary = sheet.layer.summarise(sheet.position);
   const auto strain = sheet.field("plastic_strain"), thickness = sheet.field("thickness");
   ASSERT_EQ(summary.size(), 3u);
   EXPECT_EQ(summary[0].value, *std::max_element(strain.begin(), strain.end()));
@@ -179,9 +179,9 @@ TEST(MetalShell, FactoryScalesTheDensity) {
   const TriangleMesh mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 4);
   scene::Scene scene;
   scene.layers = {make_sheet(make_dc04())};
-  const double dt = make_metal_layer(scene, 0, mesh)->compute_stable_increment();
+  const double dt = make_metal_layer(scene, 0, mesh)->compute_stable_increment(mesh.reference);
   scene.time.mass_scaling = 4;
-  EXPECT_NEAR(make_metal_layer(scene, 0, mesh)->compute_stable_increment(), 2 * dt, 1e-3 * dt);
+  EXPECT_NEAR(make_metal_layer(scene, 0, mesh)->compute_stable_increment(mesh.reference), 2 * dt, 1e-3 * dt);
 }
 
 class DivergedSheet : public testing::Test {

@@ -62,7 +62,8 @@ TEST_P(StableIncrement, IsBelowTheExactOneAndNotFarBelow) {
   const Case c = GetParam();
   const FormedSheet formed{make_distorted_square(6 * c.mesh_size, c.mesh_size, c.distortion),
                            make_sheet(make_dc04(), 5, c.thickness), c.amount};
-  const double bound = formed.form()->layer.compute_stable_increment(), exact = compute_exact_increment(formed);
+  const double bound = formed.form()->layer.compute_stable_increment(formed.position()),
+               exact = compute_exact_increment(formed);
   RecordProperty("exact / bound", std::to_string(exact / bound));
   EXPECT_LE(bound, exact);
   EXPECT_LE(exact, c.looseness * bound);

@@ -68,16 +68,17 @@ inline NodalVectors make_curved_shape(const TriangleMesh& mesh, double amount) {
   return x;
 }
 
-/// A layer with its nodal forces.
+/// A layer with its last position and the nodal forces there.
 struct Sheet {
   MetalLayer layer;
-  NodalVectors force;
+  NodalVectors position, force;
 
-  Sheet(const scene::Layer& l, const TriangleMesh& mesh) : layer(l, l.density, mesh) {}
+  Sheet(const scene::Layer& l, const TriangleMesh& mesh) : layer(l, l.density, mesh), position(mesh.reference) {}
 
   /// @param dt  since the last position if both belong to a motion, s
   const NodalVectors& advance(const NodalVectors& x, double dt = 0) {
-    layer.compute_internal_forces(x, {.dt = dt}, force);
+    position = x;
+    layer.compute_internal_forces(position, {.dt = dt}, force);
     return force;
   }
   /// Follows make_curved_shape() from 0 to `amount`.
@@ -85,7 +86,7 @@ struct Sheet {
     for (int s = 1; s <= steps; ++s) advance(make_curved_shape(mesh, amount * s / steps));
   }
   std::vector<double> field(const std::string& name) const {
-    for (const auto& f : layer.compute_fields())
+    for (const auto& f : layer.compute_fields(position))
       if (f.name == name) return f.values;
     throw std::out_of_range(name);
   }

@@ -14,9 +14,9 @@ class PointMasses : public solve::LayerMechanics {
     force.setZero(3, n_nodes_);
   }
   double internal_energy() const override { return 0; }
-  double compute_stable_increment() override { return 1; }
-  std::vector<observe::Field> compute_fields() const override { return {}; }
-  std::vector<exchange::SummaryItem> summarise() const override { return {}; }
+  double compute_stable_increment(const mechanics::NodalVectors&) override { return 1; }
+  std::vector<observe::Field> compute_fields(const mechanics::NodalVectors&) const override { return {}; }
+  std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors&) const override { return {}; }
   void add_state_to(mechanics::Digest&) const override {}
 
  private:

@@ -58,7 +58,7 @@ class StaticPly {
       if (support.add_to) support.add_to(position, force);
       if ((force * free).abs().maxCoeff() <= largest) return;
       if (step % 20 == 0) {
-        const double vote = layer.compute_stable_increment();
+        const double vote = layer.compute_stable_increment(position);
         dt = 0.9 / std::sqrt(1 / (vote * vote) + support.stiffness / mass_.minCoeff() / 4);
       }
       if (at_rest) velocity_.setZero();
@@ -77,7 +77,7 @@ class StaticPly {
 
   /// Values of an element field, "shear_angle" (rad), "stretch_warp", ...
   std::vector<double> field(const std::string& name) const {
-    for (const auto& f : layer.compute_fields())
+    for (const auto& f : layer.compute_fields(position))
       if (f.name == name) return f.values;
     throw std::invalid_argument(name);
   }

@@ -64,7 +64,7 @@ class StaticSheet {
     double time = 0, dt = 0, scale = force.matrix().norm();
     mechanics::NodalVectors external = mechanics::NodalVectors::Zero(3, mesh.n_nodes()), unbalanced = external;
     for (long step = 0; step < 300000; ++step, ++steps) {
-      if (step % 200 == 0) dt = 0.9 * layer->compute_stable_increment();
+      if (step % 200 == 0) dt = 0.9 * layer->compute_stable_increment(position);
       time += dt;
       const double a = loading.ramp > 0 ? std::min(1.0, time / loading.ramp) : 1.0;
       const double s = a * a * a * (10 - a * (15 - 6 * a));

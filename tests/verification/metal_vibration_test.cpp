@@ -26,7 +26,7 @@ Vibration vibrate(const TriangleMesh& mesh, const scene::Layer& layer, const Nod
                   const std::function<void(NodalVectors&)>& hold) {
   Sheet sheet(layer, mesh);
   const mechanics::Scalars mass = mechanics::compute_lumped_mass(mesh, layer.thickness, layer.density);
-  const double dt = 0.9 * sheet.layer.compute_stable_increment();
+  const double dt = 0.9 * sheet.layer.compute_stable_increment(mesh.reference);
   NodalVectors x = mesh.reference + mode, v = NodalVectors::Zero(3, x.cols()), a = v;
   const auto update_acceleration = [&](double since) {
     a = -sheet.advance(x, since);
