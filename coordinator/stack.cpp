@@ -153,11 +153,11 @@ bool Stack::can_answer(int i) const {
 
 void Stack::answer(int i, mechanics::NodalVectors& force) {
   const auto below = static_cast<std::size_t>(i) - 1, above = static_cast<std::size_t>(i);
-  force = i == 0 ? die_->force_on_layer() : between_[below]->force_on_upper();
+  const mechanics::NodalVectors& from_below = i == 0 ? die_->force_on_layer() : between_[below]->force_on_upper();
   if (i < n_layers() - 1) {
-    force += between_[above]->force_on_lower();
+    force = from_below + between_[above]->force_on_lower();
   } else {
-    force += blank_holder_->force_on_layer();
+    force = from_below + blank_holder_->force_on_layer();
     if (punch_) force += punch_->force_on_layer();
   }
   layers_[above].is_answered = true;

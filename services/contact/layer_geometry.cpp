@@ -11,7 +11,7 @@ LayerGeometry::LayerGeometry(const mechanics::TriangleMesh& mesh, double thickne
       nodes_(static_cast<std::size_t>(mesh.n_nodes())),
       mass_(mechanics::compute_lumped_mass(mesh, thickness, density)),
       area_(nodes_.size()),
-      length_(mesh.n_nodes()),
+      inverse_length_(mesh.n_nodes()),
       sideways_(Scalars::Ones(mesh.n_nodes())) {
   for (const int i : mesh.symmetry_nodes) sideways_(i) = 0;
   for (Index i = 0; i < mesh.n_nodes(); ++i) set(node(i).position, mechanics::at(mesh.reference, i));
@@ -49,8 +49,8 @@ void LayerGeometry::move_to(const NodalVectors& to) {
     Vectors s = gather(
         i, count, [&](Index k) -> auto& { return area[k]; });
     s.y *= load_row(sideways_.data(), i, count);
-    const Four length = sqrt(s.x * s.x + s.y * s.y + s.z * s.z), inverse = 1 / length;
-    store_row(length_.data(), i, count, length);
+    const Four inverse = 1 / sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
+    store_row(inverse_length_.data(), i, count, inverse);
     const Vectors old = gather(i, count, normal);
     const Vectors now{inverse * s.x, inverse * s.y, inverse * s.z, Four{}};
     scatter(i, count, now, normal);
@@ -78,7 +78,7 @@ void LayerGeometry::add_forces_of_pulls(Quad* records) const {
     const Vectors n = gather(
         i, count, [&](Index k) -> auto& { return nodes[k].normal; });
     const Vectors p = gather(i, count, pull);
-    const Four along = p.x * n.x + p.y * n.y + p.z * n.z, inverse = 1 / load_row(length_.data(), i, count);
+    const Four along = p.x * n.x + p.y * n.y + p.z * n.z, inverse = load_row(inverse_length_.data(), i, count);
     scatter(i, count,
             {(p.x - along * n.x) * inverse, (p.y - along * n.y) * inverse * load_row(sideways_.data(), i, count),
              (p.z - along * n.z) * inverse, Four{}},

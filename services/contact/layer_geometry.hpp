@@ -62,7 +62,7 @@ class LayerGeometry {
   std::vector<Node> nodes_;
   Scalars mass_;
   std::vector<Quad> area_;  ///< 2 s_i, s_i the sum of the area vectors around node i; n_i = s_i/|s_i| [n_nodes] mm2
-  Scalars length_;          ///< 2 |s_i| [n_nodes] mm2
+  Scalars inverse_length_;  ///< 1/(2 |s_i|) [n_nodes] 1/mm2
   Scalars sideways_;        ///< 0 for nodes held in the symmetry plane, else 1 [n_nodes]
 };
 

@@ -42,6 +42,12 @@ double Triangle2::distance(const Vector2& p, Vector2& gradient) const {
   return distance;
 }
 
+double Triangle2::height(const Vector2& p) const {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (const Side& side : sides_) deepest = std::max(deepest, side.normal.dot(p - side.start));
+  return deepest;
+}
+
 namespace {
 
 /// Vector from the nearest point of a flat convex polygon to p; only called for p above its plane.
@@ -114,9 +120,11 @@ OpeningPlate::OpeningPlate(double edge, double offset, double shoulder, bool fac
     : triangle_(edge), offset_(offset), shoulder_(shoulder), up_(faces_up ? 1.0 : -1.0) {}
 
 Distance OpeningPlate::evaluate(const Vector3& x) const {
-  Vector2 outward;  // horizontal, away from the opening's centre
-  const double s = triangle_.distance(Vector2(x.x(), x.y()), outward) - offset_;  // > 0 above the plate
-  const double h = up_ * x.z();                                                   // > 0 outside the plate
+  const double h = up_ * x.z();  // > 0 outside the plate
+  if (h > -shoulder_ && triangle_.height(x.head<2>()) >= offset_ + shoulder_)
+    return {h, Vector3(0, 0, up_)};  // on the flat land
+  Vector2 outward;                   // horizontal, away from the opening's centre
+  const double s = triangle_.distance(x.head<2>(), outward) - offset_;  // > 0 above the plate
   // rounded quadrant {s > 0, h < 0}: measured from the centre line of the shoulder at (r, -r)
   const double p = shoulder_ - s, q = h + shoulder_;
   Vector3 gradient;

@@ -29,6 +29,8 @@ class Triangle2 {
   explicit Triangle2(double edge);
   /// Signed distance (> 0 outside) and its gradient.
   double distance(const Vector2& p, Vector2& gradient) const;
+  /// Height above the side whose line is farthest below: at most the distance.
+  double height(const Vector2& p) const;
   const std::array<Vector2, 3>& corners() const { return corners_; }
 
  private:

@@ -31,13 +31,13 @@ ToolInterface::ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer
 
 /// Distances of those of the nodes [begin, end) that may be near. Returns whether one of them touches or did.
 bool ToolInterface::evaluate(Eigen::Index begin, Eigen::Index end) {
-  for (Eigen::Index i = begin; i < end; ++i) {
-    const Quad& by = layer_.node(i).increment;
-    const double down = by.z - tool_.increment;
-    slack_(i) -= std::sqrt(by.x * by.x + by.y * by.y + down * down);
-  }
   bool touches = false;  // nodes that touch have no slack
   for (Eigen::Index i = begin; i < end; ++i) {
+    if (slack_(i) > 0) {
+      const Quad& by = layer_.node(i).increment;
+      const double down = by.z - tool_.increment;
+      slack_(i) -= std::sqrt(by.x * by.x + by.y * by.y + down * down);
+    }
     if (slack_(i) > 0) continue;
     const Distance d = tool_.shape->evaluate(layer_.position(i) - Vector3(0, 0, tool_.z));
     gap_(i) = d.value - layer_.half_thickness(i);
