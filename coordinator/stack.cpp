@@ -1,8 +1,6 @@
 #include "coordinator/stack.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
@@ -169,59 +167,24 @@ bool Stack::is_step_complete() const {
   return std::all_of(layers_.begin(), layers_.end(), [](const LayerSlot& s) { return s.is_here; });
 }
 
-namespace {
-
-/// Weight of the blank holder's degree of freedom in the row sums, of that of the top layer: leaves 1.3 k/m at the
-/// nodes and (1 + 1/0.3) K/M for itself.
-constexpr double kHolderWeight = 0.3;
-
-}  // namespace
-
-std::vector<double> Stack::choose_weights(double damping) const {
-  const int n = n_layers(), top = n - 1;
-  std::vector<double> mass;  // per area
-  for (const scene::Layer& l : scene_.layers) mass.push_back(l.density * scene_.time.mass_scaling * l.thickness);
-  const auto rate = [&](int lower, int upper) {
-    const contact::InterfaceLaw law = make_law(lower, upper, 0);
-    return damping * std::max(law.stiffness, law.tangential);
-  };
-  Eigen::MatrixXd chain = Eigen::MatrixXd::Zero(n, n);  // |M^-1/2 K M^-1/2| of the columns of nodes
-  for (int i = 0; i < n; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    chain(i, i) += 4 / (layer(i).vote * layer(i).vote);
-    chain(i, i) +=
-        (rate(i == 0 ? kTool : i - 1, i) + (i == top ? 1 + kHolderWeight : 1) * rate(i, i == top ? kTool : i + 1)) /
-        mass[at];
-    if (i < top) chain(i, i + 1) = chain(i + 1, i) = rate(i, i + 1) / std::sqrt(mass[at] * mass[at + 1]);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(chain);
-  std::vector<double> weights;
-  for (int i = 0; i < n; ++i)
-    weights.push_back(std::abs(solver.eigenvectors()(i, top)) / std::sqrt(mass[static_cast<std::size_t>(i)]));
-  return weights;
-}
-
 std::vector<Vote> Stack::collect_votes() const {
-  const double damping = compute_damping_factor(scene_.contact.damping);
-  const std::vector<double> weights = choose_weights(damping);
+  // The blank holder moves: scaling its degree of freedom by 0.3 in the row sums leaves 1.3 k/m at the nodes and
+  // (1 + 1/0.3) K/M for itself.
+  constexpr double kScale = 0.3;
   std::vector<Scalars> rates;
   for (const LayerSlot& slot : layers_) rates.push_back(Scalars::Zero(slot.mesh.n_nodes()));
   Scalars under_holder = Scalars::Zero(rates.back().size());
   blank_holder_->add_rates_to(under_holder);
-  rates.back() += (1 + kHolderWeight) * under_holder;
+  rates.back() += (1 + kScale) * under_holder;
   if (punch_) punch_->add_rates_to(rates.back());
   die_->add_rates_to(rates.front());
-  for (std::size_t i = 0; i < between_.size(); ++i) {
-    constexpr double kMost = 4;  // a far heavier partner's share is small then, and the chain does not know the meshes
-    const double ratio = std::clamp(weights[i + 1] / weights[i], 1 / kMost, kMost);
-    between_[i]->add_rates_to(rates[i], rates[i + 1], ratio);
-  }
+  for (std::size_t i = 0; i < between_.size(); ++i) between_[i]->add_rates_to(rates[i], rates[i + 1]);
+  const double damping = compute_damping_factor(scene_.contact.damping);
   const double holder_mass = scene_.tools.blank_holder.mass_ratio * mass_;
   std::vector<Vote> votes;
   for (int i = 0; i < n_layers(); ++i) {
     double rate = rates[static_cast<std::size_t>(i)].maxCoeff();
-    if (i == n_layers() - 1)
-      rate = std::max(rate, (1 + 1 / kHolderWeight) * blank_holder_->total_stiffness() / holder_mass);
+    if (i == n_layers() - 1) rate = std::max(rate, (1 + 1 / kScale) * blank_holder_->total_stiffness() / holder_mass);
     votes.push_back({.increment = layer(i).vote, .contact_rate = damping * rate});
   }
   return votes;
