@@ -157,8 +157,8 @@ inline Vec3 carry_along(const Facet& f, const Vec3 increment[3], const Vec3& n, 
   const Vec3 area = cross(u, v);
   const Real inverse = one / dot(area, area);
   const Real uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), eu = dot(e, u), ev = dot(e, v);
-  const Vec3 carried =
-      (inverse * (eu * vv - ev * uv)) * f.u + (inverse * (ev * uu - eu * uv)) * f.v + (inverse * dot(e, area)) * f.area;
+  const Vec3 in_plane = combine(inverse * combine(eu, vv, -ev, uv), f.u, inverse * combine(ev, uu, -eu, uv), f.v);
+  const Vec3 carried = in_plane + (inverse * dot(e, area)) * f.area;
   return lay_across(carried, n, e);
 }
 
@@ -218,7 +218,7 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Quad* upper_forc
 
   // friction and damper at the common point (C4)
   const Real below = distance * own.w / height;  // a
-  const Vec3 m = foot.w[0] * normal[0] + foot.w[1] * normal[1] + foot.w[2] * normal[2];
+  const Vec3 m = combine(foot.w[0], normal[0], foot.w[1], normal[1]) + foot.w[2] * normal[2];
   const Foot common = project_again(f, foot, n, below, m);
   Vec3 increment[3];
   Vec3 slip = load<&Node::increment>(lanes, p.lower).xyz + below * load<&Node::turn>(lanes, p.lower).xyz;
@@ -236,7 +236,8 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Quad* upper_forc
   const Real inverse_square = one / dot(f.area, f.area);
   const Real uu = dot(f.u, f.u), uv = dot(f.u, f.v), vv = dot(f.v, f.v);
   const auto gradient = [&](const Real& by_2, const Real& by_3) {  // of a function of w_2 and w_3
-    return (inverse_square * (by_2 * vv - by_3 * uv)) * f.u + (inverse_square * (by_3 * uu - by_2 * uv)) * f.v;
+    return combine(inverse_square * combine(by_2, vv, -by_3, uv), f.u, inverse_square * combine(by_3, uu, -by_2, uv),
+                   f.v);
   };
   const Vec3 along = foot.inverse * f.area;  // N/(n.N)
   const Vec3 slope = gradient(rise.by_weight[1] - rise.by_weight[0], rise.by_weight[2] - rise.by_weight[0]);
@@ -248,7 +249,7 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Quad* upper_forc
             (g - dot(g, n) * along);
   }
   store(lanes, lower, 2, force.drag - push);
-  store(lanes, lower + 1, 2, below * force.drag - foot.distance * push);
+  store(lanes, lower + 1, 2, combine(below, force.drag, -foot.distance, push));
   const Vec3 side[3] = {f.u, f.x[2] - f.x[1], f.x[0] - f.x[2]};
   Real alpha[3], beta[3];
   for (int k = 0; k < 3; ++k) {
@@ -258,8 +259,8 @@ inline void advance_pack(const PairRows& p, const Lanes& lanes, Quad* upper_forc
   for (int k = 0; k < 3; ++k) {
     const int before = (k + 2) % 3, after = (k + 1) % 3;  // sides that end and begin at corner k
     const Vec3 on_corner =
-        (beta[before] + alpha[k]) * normal[k] - alpha[before] * normal[before] - beta[k] * normal[after];
-    const Vec3 on_normal = beta[before] * side[before] - alpha[k] * side[k];
+        combine(beta[before] + alpha[k], normal[k], -alpha[before], normal[before]) - beta[k] * normal[after];
+    const Vec3 on_normal = combine(beta[before], side[before], -alpha[k], side[k]);
     Quad* const upper = upper_force + 2 * k;
     store(lanes, upper, 6, foot.w[k] * push + on_corner - common.w[k] * force.drag);
     store(lanes, upper + 1, 6, on_normal + (common.distance * foot.w[k]) * force.drag);

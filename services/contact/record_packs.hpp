@@ -9,6 +9,7 @@ namespace {
 
 using simd::any;
 using simd::dot;
+using simd::fuse;
 using simd::gather;
 using simd::Index;
 using simd::Mask;
@@ -22,6 +23,13 @@ using Real = simd::Pack;
 using Vec3 = simd::Vec3<Real>;
 constexpr int kWidth = simd::kWidth<Real>;
 using Indices = std::array<int, kWidth>;
+
+/// a u + b v. Which of two products is rounded first the compiler may choose anew for each target and for packs that
+/// are not full; where forces depend on it, this does.
+inline Real combine(const Real& a, const Real& u, const Real& b, const Real& v) { return fuse(a, u, b * v); }
+inline Vec3 combine(const Real& a, const Vec3& u, const Real& b, const Vec3& v) {
+  return {combine(a, u.x, b, v.x), combine(a, u.y, b, v.y), combine(a, u.z, b, v.z)};
+}
 
 #if defined(INTERPLY_TARGET_AVX512)
 using Eight = double __attribute__((vector_size(64), may_alias));

@@ -158,6 +158,52 @@ Scalars slide(const char* name, const BlockRunner& run) {
 
 TEST(ContactKernelWidth, DoesNotChangeABit) { EXPECT_TRUE((slide("avx2", {}) == slide("avx512", {})).all()); }
 
+/// Two matching bowls that lie in each other, dragged and pressed: all nodes touch, those of packs that are not full
+/// too.
+Scalars drag(const char* name, double length) {
+  const Target target(name);
+  ContactLayer lower(mechanics::make_rectangle({0, length}, {0, 4}, 1, 0), 1);
+  ContactLayer upper(mechanics::make_rectangle({0, length}, {0, 4}, 1, 0.99), 1);
+  LayerInterface interface(kLaw, lower.geometry, upper.geometry);
+  interface.update(0);
+  const auto bowl = [](const Vector3& x, double s) { return Vector3(0.003 * s, 0.001 * s, 0.02 * x.squaredNorm()); };
+  for (int n = 1; n <= 40; ++n) {
+    lower.move([&](const Vector3& x) { return Vector3(x + bowl(x, n)); });
+    upper.move([&](const Vector3& x) { return Vector3(x + bowl(x, 0) - Vector3(0, 0, 1e-3 * n)); });
+    interface.update(1e-5);
+  }
+  return collect(interface);
+}
+
+TEST(ContactKernelWidth, DoesNotChangeABitInPacksThatAreNotFull) {
+  for (int length = 2; length < 10; ++length)
+    EXPECT_TRUE((drag("avx2", length) == drag("avx512", length)).all()) << length;
+}
+
+/// A sheet pressed by a punch, after some steps: forces, springs, slip and energies.
+Scalars press(const char* name) {
+  const Target target(name);
+  ContactLayer sheet(make_turned_rectangle(10, 8, 0.5, -0.5, 0.2), 1);
+  Tool tool{.name = "punch", .shape = std::make_unique<PyramidPunch>(10, 5, 2), .z = 0};
+  ToolInterface interface(kLaw, sheet.geometry, tool);
+  interface.update(0);
+  for (int n = 1; n <= 60; ++n) {
+    tool.increment = -0.01;
+    tool.z += tool.increment;
+    sheet.move(
+        [&](Vector3 x) { return Vector3(x + Vector3(0.003 * n, 0, -0.007 * n * std::exp(-0.02 * x.squaredNorm()))); });
+    interface.update(1e-5);
+  }
+  const Points& p = interface.points();
+  const InterfaceEnergies& e = interface.energies();
+  Scalars all(6 * p.size() + p.size() + 11);
+  all << interface.force_on_layer().reshaped(), p.stick.reshaped(), p.slip, e.stored, e.friction, e.damping, e.thinning,
+      e.work, tool.force.array(), tool.moment.array();
+  return all;
+}
+
+TEST(ContactKernelWidth, OfToolsDoesNotChangeABit) { EXPECT_TRUE((press("avx2") == press("avx512")).all()); }
+
 TEST(ContactBlocks, GiveTheSameBitsInAnyOrderAndByAnyThreads) {
   const auto backwards = [](Eigen::Index n, const std::function<void(Eigen::Index)>& body) {
     for (Eigen::Index i = n; i-- > 0;) body(i);
