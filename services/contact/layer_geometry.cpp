@@ -26,15 +26,15 @@ void LayerGeometry::move_to(const NodalVectors& to) {
   Node* const nodes = nodes_.data();
   Quad* const area = area_.data();
   for_each_four(n_nodes(), [&](Index i, int count) {
-    const Vectors old = gather(
-        i, count, [&](Index k) -> auto& { return nodes[k].position; });
-    const Vectors now{load_row(x[0], i, count), load_row(x[1], i, count), load_row(x[2], i, count), old.w};
-    scatter(
-        i, count, now, [&](Index k) -> auto& { return nodes[k].position; });
-    scatter(
-        i, count,
-        {now.x - old.x, now.y - old.y, now.z - old.z, Four{}}, [&](Index k) -> auto& { return nodes[k].increment; });
-    for (int l = 0; l < count; ++l) store(area[i + l], Four{});
+    Four row[4] = {load_row(x[0], i, count), load_row(x[1], i, count), load_row(x[2], i, count), Four{}};
+    transpose(row[0], row[1], row[2], row[3]);
+    for (int l = 0; l < count; ++l) {
+      Node& node = nodes[i + l];
+      const Four old = load(node.position), now = __builtin_shufflevector(row[l], old, 0, 1, 2, 7);
+      store(node.position, now);
+      store(node.increment, now - old);
+      store(area[i + l], Four{});
+    }
   });
   for (Index e = 0; e < mesh_->n_elements(); ++e) {
     const int a = first[e], b = second[e], c = third[e];
@@ -44,19 +44,18 @@ void LayerGeometry::move_to(const NodalVectors& to) {
     add_to(area[b], twice);
     add_to(area[c], twice);
   }
+  for (const int i : mesh_->symmetry_nodes) area[i].y = 0;
   for_each_four(n_nodes(), [&](Index i, int count) {
-    const auto normal = [&](Index k) -> auto& { return nodes[k].normal; };
-    Vectors s = gather(
+    const Vectors s = gather(
         i, count, [&](Index k) -> auto& { return area[k]; });
-    s.y *= load_row(sideways_.data(), i, count);
     const Four inverse = 1 / sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
     store_row(inverse_length_.data(), i, count, inverse);
-    const Vectors old = gather(i, count, normal);
-    const Vectors now{inverse * s.x, inverse * s.y, inverse * s.z, Four{}};
-    scatter(i, count, now, normal);
-    scatter(
-        i, count,
-        {now.x - old.x, now.y - old.y, now.z - old.z, Four{}}, [&](Index k) -> auto& { return nodes[k].turn; });
+    for (int l = 0; l < count; ++l) {
+      Node& node = nodes[i + l];
+      const Four now = inverse[l] * load(area[i + l]);
+      store(node.turn, now - load(node.normal));
+      store(node.normal, now);
+    }
   });
 }
 
