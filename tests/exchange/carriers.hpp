@@ -177,4 +177,29 @@ inline std::unique_ptr<SolverLink> join_as(Table& table, const std::string& laye
   return link;
 }
 
+/// Steps 0 to `last` of one solver; true if every force was its own.
+inline bool advance(SolverLink& link, int layer, Eigen::Index n, std::int64_t last) {
+  Force force;
+  for (std::int64_t step = 0; step <= last; ++step) {
+    link.send(make_motion(layer, n, step));
+    link.receive(force, kPatience);
+    if (force.step != step || !is_filled(force.force, n, layer + 100, step)) return false;
+  }
+  return true;
+}
+
+/// Answers until each of `peers` has done `last`. False if anything else happens or an array is not its own.
+inline bool answer_all(CoordinatorLink& coordinator, int peers, Eigen::Index n, std::int64_t last) {
+  for (int done = 0; done < peers;) {
+    const Event event = coordinator.receive(kPatience);
+    if (event.kind == Event::Kind::Joined) continue;
+    if (event.kind != Event::Kind::Moved) return false;
+    const Motion& motion = coordinator.motion(event.who);
+    if (!is_filled(motion.position, n, event.who, motion.step)) return false;
+    if (!coordinator.send(event.who, make_force(event.who, n, motion.step))) return false;
+    if (motion.step == last) ++done;
+  }
+  return true;
+}
+
 }  // namespace interply::exchange

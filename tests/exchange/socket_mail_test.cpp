@@ -15,30 +15,6 @@ using testing::HasSubstr;
 
 Expected expect(int layer, std::int64_t n) { return {"ply_" + std::to_string(layer), n}; }
 
-/// Steps 0 to `last` of layer `ply_<layer>`. True if every force was its own.
-bool advance(SolverLink& link, int layer, Eigen::Index n, std::int64_t last) {
-  Force force;
-  for (std::int64_t step = 0; step <= last; ++step) {
-    link.send(make_motion(layer, n, step));
-    link.receive(force, kPatience);
-    if (force.step != step || !is_filled(force.force, n, layer + 100, step)) return false;
-  }
-  return true;
-}
-
-/// Answers until one of `n` nodes has done `last`. False if anything else happens or an array is not its own.
-bool answer_all(CoordinatorLink& coordinator, Eigen::Index n, std::int64_t last) {
-  for (std::int64_t step = -1; step != last;) {
-    const Event event = coordinator.receive(kPatience);
-    if (event.kind == Event::Kind::Joined) continue;
-    if (event.kind != Event::Kind::Moved) return false;
-    step = coordinator.motion(event.who).step;
-    if (!is_filled(coordinator.motion(event.who).position, n, event.who, step)) return false;
-    if (!coordinator.send(event.who, make_force(event.who, n, step))) return false;
-  }
-  return true;
-}
-
 /// Listens at a port that has a free one after it.
 RawTcp listen_below_a_free_port() {
   for (;;) {
@@ -269,7 +245,7 @@ TEST(SocketMail, ASolverBehindAForwardedPortFallsBackToMessagesAndSaysSo) {
       link->join(make_join("ply_0"), kPatience);
       EXPECT_TRUE(advance(*link, 0, 9, 20));
     });
-    EXPECT_TRUE(answer_all(table.coordinator(), 9, 20));
+    EXPECT_TRUE(answer_all(table.coordinator(), 1, 9, 20));
     solver.join();
   }
   EXPECT_EQ(log.count("port for arrays cannot be used (Connection refused): positions and forces travel as messages"),
@@ -288,7 +264,7 @@ TEST(SocketMail, APortWhereNobodyAnswersHoldsNobodyUp) {
     link->join(make_join("ply_0"), kPatience);
     EXPECT_TRUE(advance(*link, 0, 9, 20));
   });
-  EXPECT_TRUE(answer_all(table.coordinator(), 9, 20));
+  EXPECT_TRUE(answer_all(table.coordinator(), 1, 9, 20));
   solver.join();
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
