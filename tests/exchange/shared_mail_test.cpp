@@ -112,17 +112,19 @@ TEST(SharedMail, ASolverThatAsksForMemoryMayMeetACoordinatorWithout) {
 
 TEST(SharedMail, AnotherUserFallsBackToMessagesAndSaysSo) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root to become another user";
-  int pipe[2];
+  int pipe[2], call[2];
   ASSERT_EQ(::pipe(pipe), 0);
-  Table table(Carrier::SharedMemory, {{"ply_0", 9}});
-  ::chmod(table.endpoint().substr(6).c_str(), 0777);  // the socket is shared with everyone, the memory is not
-  const pid_t child = ::fork();
+  ASSERT_EQ(::pipe(call), 0);
+  const pid_t child = ::fork();  // before there are threads, which may hold locks that the child would wait for
   if (child == 0) {
     ::dup2(pipe[1], STDOUT_FILENO);  // where the log goes
+    ::close(call[1]);
     bool good = false;
     try {
-      if (::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0) {
-        auto link = connect_zeromq(table.endpoint());
+      char endpoint[1000] = {};
+      if (::read(call[0], endpoint, sizeof(endpoint) - 1) > 0 && ::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 &&
+          ::setuid(65534) == 0) {
+        auto link = connect_zeromq(endpoint);
         link->join(make_join("ply_0"), kPatience);
         good = advance(*link, 0, 9, 3);
       }
@@ -131,6 +133,9 @@ TEST(SharedMail, AnotherUserFallsBackToMessagesAndSaysSo) {
     std::fflush(stdout);
     ::_exit(good ? 0 : 1);
   }
+  Table table(Carrier::SharedMemory, {{"ply_0", 9}});
+  ::chmod(table.endpoint().substr(6).c_str(), 0777);  // the socket is shared with everyone, the memory is not
+  ASSERT_GT(::write(call[1], table.endpoint().data(), table.endpoint().size()), 0);
   ::close(pipe[1]);
   EXPECT_TRUE(answer_all(table.coordinator(), 1, 9, 3));
   int status = 0;
@@ -141,7 +146,7 @@ TEST(SharedMail, AnotherUserFallsBackToMessagesAndSaysSo) {
   EXPECT_THAT(said, HasSubstr("shared memory cannot be used"));
   EXPECT_THAT(said, HasSubstr("Permission denied"));
   EXPECT_THAT(said, HasSubstr("travel as messages"));
-  ::close(pipe[0]);
+  for (const int end : {pipe[0], call[0], call[1]}) ::close(end);
 }
 
 TEST(SharedMail, GarbageInTheMemoryIsRefusedLikeAMalformedMessage) {
