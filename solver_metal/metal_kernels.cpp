@@ -179,11 +179,101 @@ SheetAdvance advance(const mechanics::ShellRows& shell, const SheetRows& sheet, 
   });
 }
 
+/// g_k of (T2), and the current volume.
+struct Corners {
+  Real g1[3], g2[3], volume;
+  Real square(int k) const { return g1[k] * g1[k] + g2[k] * g2[k]; }
+};
+
+template <class Lanes>
+Corners compute_corners(const mechanics::ShellRows& shell, const SheetRows& sheet, const Lanes& lanes,
+                        const Tensor& metric, const Real& j) {
+  const Tensor u = compute_inverse_stretch(metric, j);
+  const auto n = mechanics::load_gradient<Real>(shell, lanes);
+  Corners c;
+  for (int k = 0; k < 3; ++k) {
+    c.g1[k] = u.m11 * n.n1[k] + u.m12 * n.n2[k];
+    c.g2[k] = u.m12 * n.n1[k] + u.m22 * n.n2[k];
+  }
+  c.volume = lanes.load(shell.area) * j * lanes.load(sheet.thickness);
+  return c;
+}
+
+void add_nodal_stiffness(const mechanics::ShellRows& shell, const SheetRows& sheet, double* q) {
+  simd::for_each_pack<Real>(0, sheet.n, [&](const auto& lanes) {
+    const Tensor metric = load(lanes, sheet.metric);
+    const Corners c = compute_corners(shell, sheet, lanes, metric, simd::sqrt(compute_determinant(metric)));
+    alignas(64) double share[3][simd::kWidth<Real>];
+    for (int k = 0; k < 3; ++k) simd::write_lanes(share[k], c.volume * c.square(k));
+    for (int l = 0; l < lanes.count(); ++l)
+      for (int k = 0; k < 3; ++k) q[shell.node[k][lanes.begin() + l]] += share[k][l];
+  });
+}
+
+/// compute_principal().
+struct Principal {
+  Real first, second;
+};
+
+Principal compute_principal(const Tensor& a) {
+  const Real mean = Real(0.5) * (a.m11 + a.m22), half = Real(0.5) * (a.m11 - a.m22);
+  const Real radius = simd::sqrt(half * half + a.m12 * a.m12);
+  return {mean + radius, mean - radius};
+}
+
+/// (T2).
+Real bound_membrane_frequency2(const Tensor& gram, double young, double poisson, const Real& stress) {
+  const auto [g1, g2] = compute_principal(gram);
+  const double d11 = young / (1 - poisson * poisson), d12 = poisson * d11, shear = 0.5 * young / (1 + poisson);
+  const Real half = Real(0.5 * d11) * (g1 - g2);
+  const Real normal = Real(0.5 * d11) * (g1 + g2) + simd::sqrt(half * half + Real(d12 * d12) * g1 * g2);
+  return simd::max(normal, Real(shear) * (g1 + g2)) + Real(3.0) * stress * g1;
+}
+
+/// (T3).
+Real compute_bending_growth(const Tensor& metric, const Real& j, const Real& t) {
+  const auto [most, least] = compute_principal(metric);
+  return j * t * t * t / (least * least) * simd::max(Real(1.0), most);
+}
+
+double bound_frequency2(const mechanics::ShellRows& shell, const SheetRows& sheet, const IncrementRows& rows,
+                        Index begin, Index end) {
+  Real highest(0.0);
+  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
+    const Tensor metric = load(lanes, sheet.metric);
+    const Real j = simd::sqrt(compute_determinant(metric));
+    const Corners c = compute_corners(shell, sheet, lanes, metric, j);
+    Tensor gram{Real(0.0), Real(0.0), Real(0.0)};
+    for (int k = 0; k < 3; ++k) {
+      const Real weight = simd::gather<Real>(rows.nodal_stiffness, lanes.load(shell.node[k])) / c.square(k);
+      gram.m11 += weight * c.g1[k] * c.g1[k];
+      gram.m22 += weight * c.g2[k] * c.g2[k];
+      gram.m12 += weight * c.g1[k] * c.g2[k];
+    }
+    Real stress2(0.0);
+    for (int i = 0; i < sheet.n_points; ++i) {
+      const double* const at = sheet.stress + 3 * i * sheet.n;
+      const Real s11 = lanes.load(at), s22 = lanes.load(at + sheet.n), s12 = lanes.load(at + 2 * sheet.n);
+      stress2 = simd::max(stress2, s11 * s11 + s22 * s22 - s11 * s22 + Real(3.0) * s12 * s12);
+    }
+    const Real stress = Real(kPrincipalPerVonMises) * simd::sqrt(stress2);
+    const Real membrane = bound_membrane_frequency2(gram, rows.young, rows.poisson, stress);
+    const Real growth = compute_bending_growth(metric, j, Real(1 / rows.thickness0) * lanes.load(sheet.thickness));
+    const Real bending = Real(rows.stiffening) * lanes.load(rows.bending_frequency2) * growth;
+    highest = simd::max(highest, membrane + bending);  // (T1)
+  });
+  alignas(64) double lanes[simd::kWidth<Real>];
+  simd::write_lanes(lanes, highest);
+  double most = 0;
+  for (const double l : lanes) most = l > most ? l : most;
+  return most;
+}
+
 }  // namespace
 
 template <>
 const MetalKernels& get_metal_kernels<simd::Target>() {
-  static constexpr MetalKernels kernels{compute_facets, advance};
+  static constexpr MetalKernels kernels{compute_facets, advance, add_nodal_stiffness, bound_frequency2};
   return kernels;
 }
 

@@ -5,8 +5,6 @@
 #include <numbers>
 #include <sstream>
 
-#include "solver_metal/stable_increment.hpp"
-
 namespace interply::metal {
 
 namespace {
@@ -185,52 +183,21 @@ Resultants MetalLayer::advance_own_element(Eigen::Index e, const ElementShape& n
   return compute_resultants(now, thickness, mean, moment);
 }
 
-MetalLayer::CornerGradients MetalLayer::compute_corner_gradients(Eigen::Index e) const {
-  const mechanics::ShellGeometry& shell = shell_.geometry();
-  const Symmetric2 metric = load(metric_, 0, e);
-  const double j = std::sqrt(metric.determinant());
-  const Symmetric2 u = compute_inverse_stretch(metric, j);
-  CornerGradients corner;
-  corner.volume = shell.area(e) * j * thickness_(e);
-  for (int k = 0; k < 3; ++k) {
-    const double b1 = shell.gradient(2 * k, e), b2 = shell.gradient(2 * k + 1, e);
-    const double g1 = u.m11 * b1 + u.m12 * b2, g2 = u.m12 * b1 + u.m22 * b2;
-    corner.product[k] = {g1 * g1, g2 * g2, g1 * g2};
-  }
-  return corner;
-}
-
 double MetalLayer::compute_stable_increment(const mechanics::NodalVectors&) {
-  nodal_stiffness_.setZero();  // q of (T2)
-  for (Eigen::Index e = 0; e < n_elements(); ++e) {
-    const CornerGradients corner = compute_corner_gradients(e);
-    for (int k = 0; k < 3; ++k)
-      nodal_stiffness_(shell_.geometry().nodes(k, e)) += corner.volume * corner.product[k].trace();
+  nodal_stiffness_.setZero();
+  kernels_.add_nodal_stiffness(shell_.rows(), rows_, nodal_stiffness_.data());
+  nodal_stiffness_ /= mass_;
+  IncrementRows rows{nodal_stiffness_.data(), bending_frequency2_.data(), law_.young, law_.poisson, 1, thickness0_};
+  if (own_) {
+    rows.young = own_->compute_modulus_bound();
+    rows.poisson = 0;
+    rows.stiffening = std::max(1.0, rows.young / own_->initial_modulus_bound());
   }
-  const double young = own_ ? own_->compute_modulus_bound() : law_.young, poisson = own_ ? 0 : law_.poisson;
-  const double stiffening = own_ ? std::max(1.0, young / own_->initial_modulus_bound()) : 1;
-  double highest = 0;
-  for (Eigen::Index e = 0; e < n_elements(); ++e) {
-    const CornerGradients corner = compute_corner_gradients(e);
-    Symmetric2 gram;
-    for (int k = 0; k < 3; ++k) {
-      const int node = shell_.geometry().nodes(k, e);
-      const double weight = nodal_stiffness_(node) / (mass_(node) * corner.product[k].trace());
-      gram = gram + weight * corner.product[k];
-    }
-    double von_mises = 0;
-    for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load(stress_, 3 * i, e)));
-    const double stress = 1.1547005383792517 * von_mises;  // no principal plane stress exceeds 2/sqrt(3) s_eq
-    const double membrane = bound_membrane_frequency2(gram, young, poisson, stress);
-    // physical curvature is U^-1 kappa U^-1, and the columns of the edges grow like the heights
-    const Symmetric2 metric = load(metric_, 0, e);
-    const auto [most, least] = compute_principal(metric);
-    const double t = thickness_(e) / thickness0_;
-    const double bending =
-        bending_frequency2_(e) * std::sqrt(metric.determinant()) * t * t * t / (least * least) * std::max(1.0, most);
-    highest = std::max(highest, membrane + stiffening * bending);  // (T1)
-  }
-  return 2 / std::sqrt(highest);
+  std::vector<double> highest(shell_.n_blocks());
+  shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
+    highest[static_cast<std::size_t>(block)] = kernels_.bound_frequency2(shell_.rows(), rows_, rows, begin, end);
+  });
+  return 2 / std::sqrt(*std::max_element(highest.begin(), highest.end()));  // (T1)
 }
 
 void MetalLayer::report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const {

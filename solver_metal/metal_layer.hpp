@@ -39,12 +39,6 @@ class MetalLayer : public solve::LayerMechanics {
   void add_state_to(mechanics::Digest& digest) const override;
 
  private:
-  /// g_k g_k' of the three corners, g_k = U^-1 dN_k/dX (1/mm), and the current volume, mm3.
-  struct CornerGradients {
-    Symmetric2 product[3];
-    double volume = 0;
-  };
-
   Eigen::Index n_elements() const { return shell_.n_elements(); }
   SheetRows make_rows();
   J2Point load_point(int i, Eigen::Index e) const;
@@ -53,7 +47,6 @@ class MetalLayer : public solve::LayerMechanics {
   /// Stress, thickness and resultants of one of its elements; adds its stress work to `work`.
   Resultants advance_own_element(Eigen::Index e, const ElementShape& now, double& work);
   /// @throws mechanics::Divergence if a block reported an element
-  CornerGradients compute_corner_gradients(Eigen::Index e) const;
   [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 
   std::string name_;
@@ -78,7 +71,7 @@ class MetalLayer : public solve::LayerMechanics {
   double internal_energy_ = 0;    // mJ
 
   // scratch, sized once
-  mechanics::Scalars nodal_stiffness_;  // [n_nodes] mm
+  mechanics::Scalars nodal_stiffness_;  // q_k/m_k of (T2) [n_nodes] mm/t
   SheetRows rows_;                      // of the state
   std::vector<SheetAdvance> blocks_;    // of elements
   const MetalKernels& kernels_;

@@ -20,19 +20,13 @@ observe::Field make_field(const char* name, const char* unit, const char* descri
 
 mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
   const mechanics::ShellGeometry& shell = shell_.geometry();
-  const auto& gather = shell.gather;
-  const Eigen::Index n_nodes = static_cast<Eigen::Index>(gather.start.size()) - 1;
-  mechanics::Scalars nodal(n_nodes);
-  for (Eigen::Index node = 0; node < n_nodes; ++node) {
-    double volume = 0, area = 0;
-    for (int i = gather.start[node]; i < gather.start[node + 1]; ++i) {
-      const Eigen::Index e = gather.entry[i] % n_elements();
-      volume += shell.area(e) * thickness_(e);
-      area += shell.area(e);
+  mechanics::Scalars volume = mechanics::Scalars::Zero(mass_.size()), area = volume;  // of the elements of each node
+  for (Eigen::Index e = 0; e < n_elements(); ++e)
+    for (int k = 0; k < 3; ++k) {
+      volume(shell.nodes(k, e)) += shell.area(e) * thickness_(e);
+      area(shell.nodes(k, e)) += shell.area(e);
     }
-    nodal(node) = area > 0 ? volume / area : thickness0_;
-  }
-  return nodal;
+  return (area > 0).select(volume / area, thickness0_);
 }
 
 std::vector<observe::Field> MetalLayer::compute_fields(const mechanics::NodalVectors&) const {

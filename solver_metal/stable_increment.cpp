@@ -14,4 +14,9 @@ double bound_membrane_frequency2(const Symmetric2& gram, double young, double po
   return std::max(normal, shear * (g1 + g2)) + 3 * stress * g1;  // (T2)
 }
 
+double compute_bending_growth(const Symmetric2& metric, double t) {
+  const auto [most, least] = compute_principal(metric);
+  return std::sqrt(metric.determinant()) * t * t * t / (least * least) * std::max(1.0, most);  // (T3)
+}
+
 }  // namespace interply::metal

@@ -6,7 +6,7 @@
 ///
 /// Dividing the mass in proportion to the stiffness at the node, not evenly, keeps a badly shaped element from deciding
 /// alone. That of bending is mechanics::compute_bending_frequencies2(). All here is derived and checked in the tests
-/// against the largest eigenvalue of the assembled M^-1 K.
+/// against the largest eigenvalue of the assembled M^-1 K. These are the plain forms; metal_kernels.hpp does packs.
 #pragma once
 
 #include "solver_metal/symmetric2.hpp"
@@ -25,5 +25,11 @@ namespace interply::metal {
 /// @param gram    G of (T2), mm/t
 /// @param stress  bound of |s|, MPa
 double bound_membrane_frequency2(const Symmetric2& gram, double young, double poisson, double stress);
+
+/// w_bending^2 against that of the flat sheet. Physical curvature is U^-1 kappa U^-1, and the columns of the edges grow
+/// like the heights: with C1 >= C2 the eigenvalues of the metric and t the current thickness over the initial one,
+///
+///   J t^3 max(1, C1) / C2^2                                                                              (T3)
+double compute_bending_growth(const Symmetric2& metric, double t);
 
 }  // namespace interply::metal

@@ -1,46 +1,29 @@
 #include "mechanics/central_difference.hpp"
 
-#include <numeric>
-
 namespace interply::mechanics {
 
 NodalMotion make_motion_at_rest(const TriangleMesh& mesh) {
-  const NodalVectors zero = NodalVectors::Zero(3, mesh.n_nodes());
-  return {.position = mesh.reference, .velocity = zero, .increment = zero};
+  return {.kick_nodes = simd::choose([](auto target) { return &kick_nodes<decltype(target)>; }),
+          .velocity = NodalVectors::Zero(3, mesh.n_nodes())};
 }
 
-void drift(NodalMotion& motion, double dt) {
-  motion.increment = dt * motion.velocity;
-  motion.position += motion.increment;
+void drift(NodalMotion& motion, double dt, NodalVectors& position) {
+  position += dt * motion.velocity;
   motion.dt = dt;
 }
 
-double kick(NodalMotion& motion, double next_dt, const NodalVectors& contact_force, const NodalVectors& internal_force,
-            const Scalars& mass, const std::vector<int>& symmetry_nodes) {
-  const double span = 0.5 * (motion.dt + next_dt);
-  const Eigen::Index n = mass.size();
-  constexpr Eigen::Index kSums = 8;  // side by side, so that the loop vectorises
-  double twice_kinetic[kSums] = {};
-  for (int d = 0; d < 3; ++d) {
-    double* v = &motion.velocity(d, 0);
-    const double *contact = &contact_force(d, 0), *internal = &internal_force(d, 0), *m = mass.data();
-    const auto advance = [&](Eigen::Index i, double& sum) {
-      const double old = v[i];
-      v[i] += span * (contact[i] - internal[i]) / m[i];
-      sum += m[i] * old * v[i];
-    };
-    Eigen::Index i = 0;
-    for (; i + kSums <= n; i += kSums)
-      for (Eigen::Index l = 0; l < kSums; ++l) advance(i + l, twice_kinetic[l]);
-    for (; i < n; ++i) advance(i, twice_kinetic[0]);
-    if (d == 1)
-      for (const int k : symmetry_nodes) v[k] = 0;  // it was 0 before as well: no energy enters
-  }
-  return 0.5 * std::accumulate(twice_kinetic, twice_kinetic + kSums, 0.0);
-}
-
-double compute_trapezoid_work(const NodalVectors& old_force, const NodalVectors& force, const NodalVectors& increment) {
-  return 0.5 * ((old_force + force) * increment).sum();
+void kick(NodalMotion& motion, double next_dt, const NodalVectors& contact_force, NodalVectors& internal_force,
+          const Scalars& mass, const std::vector<int>& symmetry_nodes) {
+  for (const int i : symmetry_nodes) internal_force(1, i) = contact_force(1, i);
+  const auto &f = contact_force, &g = internal_force;
+  auto& v = motion.velocity;
+  const KickRows rows{
+      mass.data(), {&f(0, 0), &f(1, 0), &f(2, 0)}, {&g(0, 0), &g(1, 0), &g(2, 0)}, {&v(0, 0), &v(1, 0), &v(2, 0)}};
+  const KickSums sums = motion.kick_nodes(rows, 0.5 * (motion.dt + next_dt), mass.size());
+  motion.kinetic = sums.kinetic;
+  motion.work.contact += motion.ahead.contact + 0.5 * motion.dt * sums.before.contact;
+  motion.work.internal += motion.ahead.internal + 0.5 * motion.dt * sums.before.internal;
+  motion.ahead = {0.5 * next_dt * sums.after.contact, 0.5 * next_dt * sums.after.internal};
 }
 
 }  // namespace interply::mechanics

@@ -18,9 +18,8 @@ class LayerRun {
   exchange::Motion& motion() { return motion_; }
 
   void drift(double dt);                    ///< x(n) -> x(n + 1), prepares motion()
-  void compute_internal_forces();           ///< f_int(x(n)) and its work
-  /// Work of the contact force, v(n - 1/2) -> v(n + 1/2), energies at n. Takes the array away and leaves that of n - 1.
-  void kick(exchange::Force& force);
+  void compute_internal_forces();           ///< f_int(x(n)) and the energy stored or spent
+  void kick(const exchange::Force& force);  ///< v(n - 1/2) -> v(n + 1/2), energies at n
 
   observe::LayerMesh describe_mesh() const;
   observe::LayerFrame describe_frame(int frame) const;
@@ -33,7 +32,7 @@ class LayerRun {
   std::unique_ptr<LayerMechanics> mechanics_;
   mechanics::Scalars mass_;
   mechanics::NodalMotion nodes_;
-  mechanics::NodalVectors internal_force_, old_internal_force_, contact_force_;
+  mechanics::NodalVectors internal_force_;
   exchange::Motion motion_;
   exchange::LayerEnergies energies_;
   double time_ = 0;

@@ -38,8 +38,8 @@ class SqueezedMasses {
     mesh_ = mechanics::make_rectangle({0, 20}, {0, 20}, 5, 0.5 * thickness);
     layer_ = std::make_unique<test::FreeLayer>(mesh_, std::make_unique<test::PointMasses>(mesh_.n_nodes()), thickness,
                                                density, mechanics::Vector3::Zero());
-    layer_->motion.position.row(2) += offset;
-    layer_->geometry.move_to(layer_->motion.position);
+    layer_->position.row(2) += offset;
+    layer_->geometry.move_to(layer_->position);
     below_ = {.name = "below", .shape = std::make_unique<Plane>(true), .z = kPressedIn};
     above_ = {.name = "above", .shape = std::make_unique<Plane>(false), .z = thickness - kPressedIn};
     const contact::InterfaceLaw law{.stiffness = k, .tangential = k};
@@ -56,7 +56,7 @@ class SqueezedMasses {
     kick(dt_);
   }
   /// Displacement of node i from the middle, mm.
-  double u(Eigen::Index i) const { return layer_->motion.position(2, i) - 0.5; }
+  double u(Eigen::Index i) const { return layer_->position(2, i) - 0.5; }
   Eigen::Index size() const { return mesh_.n_nodes(); }
 
  private:

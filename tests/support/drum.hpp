@@ -58,7 +58,7 @@ class BeltOnDrum {
       const Vector3 place = lay(layer_.mesh.reference(0, i), layer_.mesh.reference(1, i));
       for (int d = 0; d < 3; ++d) x(d, i) = place(d);
     }
-    layer_.motion.position = x;
+    layer_.position = x;
     layer_.geometry.move_to(x);
     layer_.geometry.move_to(x);
     contact_ = std::make_unique<contact::ToolInterface>(
@@ -111,8 +111,7 @@ class BeltOnDrum {
         const double s = 0.5 * side * (mesh.reference(0, i) + mesh.reference(0, j));
         const double rest = std::abs(mesh.reference(0, i) - mesh.reference(0, j));
         if (mesh.reference(1, i) != mesh.reference(1, j) || s < from || s > to) continue;
-        strain +=
-            (mechanics::at(layer_.motion.position, i) - mechanics::at(layer_.motion.position, j)).norm() / rest - 1;
+        strain += (mechanics::at(layer_.position, i) - mechanics::at(layer_.position, j)).norm() / rest - 1;
         ++n;
       }
     return kThickness * kStiffness * strain / n;
@@ -144,7 +143,7 @@ class BeltOnDrum {
   double mean_radius() const { return mean_radius_; }
   double wrap() const { return setup_.wrap; }
   const contact::ToolInterface& contact() const { return *contact_; }
-  double kinetic() const { return layer_.kinetic; }
+  double kinetic() const { return layer_.motion.kinetic; }
 
  private:
   /// Where arc length s lies: on the circle of the midsurface, or on its tangent beyond.
@@ -158,8 +157,7 @@ class BeltOnDrum {
   /// Of the belt's path at node i.
   Vector3 direction_at(Eigen::Index i) const {
     const double most = 0.5 * setup_.wrap;
-    const double angle =
-        std::clamp(std::atan2(layer_.motion.position(0, i), layer_.motion.position(2, i)), -most, most);
+    const double angle = std::clamp(std::atan2(layer_.position(0, i), layer_.position(2, i)), -most, most);
     return {std::cos(angle), 0, -std::sin(angle)};
   }
   /// Share of the width that an end node stands for.

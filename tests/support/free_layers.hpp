@@ -18,12 +18,14 @@ struct FreeLayer {
   std::unique_ptr<solve::LayerMechanics> mechanics;
   contact::LayerGeometry geometry;
   mechanics::NodalMotion motion;
-  NodalVectors internal_force;
-  double kinetic = 0;  ///< mJ, at the last kick
+  NodalVectors position, internal_force;
 
   FreeLayer(mechanics::TriangleMesh m, std::unique_ptr<solve::LayerMechanics> law, double thickness, double density,
             const Vector3& velocity)
-      : mesh(std::move(m)), mechanics(std::move(law)), motion(mechanics::make_motion_at_rest(mesh)) {
+      : mesh(std::move(m)),
+        mechanics(std::move(law)),
+        motion(mechanics::make_motion_at_rest(mesh)),
+        position(mesh.reference) {
     for (int d = 0; d < 3; ++d) motion.velocity.row(d) = velocity(d);
     geometry = {mesh, thickness, density};
     internal_force = NodalVectors::Zero(3, mesh.n_nodes());
@@ -31,12 +33,12 @@ struct FreeLayer {
   FreeLayer(const FreeLayer&) = delete;
 
   void drift(double dt) {
-    mechanics::drift(motion, dt);
-    geometry.move_to(motion.position);
+    mechanics::drift(motion, dt, position);
+    geometry.move_to(position);
   }
   void kick(double dt, double time, const NodalVectors& contact_force) {
-    mechanics->compute_internal_forces(motion.position, {.time = time, .dt = motion.dt}, internal_force);
-    kinetic = mechanics::kick(motion, dt, contact_force, internal_force, geometry.mass(), {});
+    mechanics->compute_internal_forces(position, {.time = time, .dt = motion.dt}, internal_force);
+    mechanics::kick(motion, dt, contact_force, internal_force, geometry.mass(), {});
   }
   Vector3 momentum() const {
     return {(motion.velocity.row(0).transpose() * geometry.mass()).sum(),
@@ -68,8 +70,8 @@ struct FreePair {
   /// Everything that started as kinetic energy, wherever it is now, mJ.
   double energy() const {
     const contact::InterfaceEnergies& e = interface.energies();
-    return lower.kinetic + upper.kinetic + lower.internal() + upper.internal() + e.stored + e.friction + e.damping -
-           e.thinning - e.edge;
+    return lower.motion.kinetic + upper.motion.kinetic + lower.internal() + upper.internal() + e.stored + e.friction +
+           e.damping - e.thinning - e.edge;
   }
 };
 
