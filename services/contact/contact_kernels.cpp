@@ -1,5 +1,5 @@
-/// Nodes of a lower layer against the smooth surface of the upper one, and nodes against a tool, several at once: (C1)
-/// to (C4) of THEORY.md. The plain forms are in smooth_facet.hpp, layer_interface_plain.cpp and points.hpp.
+/// Nodes of a lower layer against the smooth surface of the upper one, several at once: (C1) to (C4) of THEORY.md. The
+/// plain forms are in smooth_facet.hpp, layer_interface_plain.cpp and points.hpp.
 #include "contact/kernels.hpp"
 #include "contact/law_kernels.hpp"
 #include "simd/pack.hpp"
@@ -288,59 +288,11 @@ void add_upper_forces(const PairRows& p, Index begin, Index end, const Quad* upp
   }
 }
 
-template <class Lanes>
-inline void advance_tool_pack(const ToolRows& p, const Lanes& lanes, Sums& sums, simd::Sum<Real> (&force_sum)[3],
-                              simd::Sum<Real> (&moment_sum)[3]) {
-  const Real zero(0.0);
-  Quad* const out = p.force + 2 * lanes.begin();
-  const Real gap = lanes.load(p.gap), old_gap = lanes.load(p.points.gap);
-  const Record position = load<&Node::position>(lanes, p.layer);
-  const Real& h = position.w;
-  if (!any(min(gap, old_gap) < zero)) {  // open, and stays so
-    lanes.store(p.points.gap, gap);
-    lanes.store(p.points.height, h);
-    for (int l = 0; l < 2 * lanes.count(); ++l) out[l] = {};
-    return;
-  }
-  const Vec3 gradient = load(lanes, p.gradient), n = load<&Node::normal>(lanes, p.layer).xyz,
-             normal = Real(-1.0) * gradient;
-  const Real side = select(dot(gradient, n) > zero, -h, h);  // of the layer's surface that faces the tool
-  Vec3 slip = load<&Node::increment>(lanes, p.layer).xyz + side * load<&Node::turn>(lanes, p.layer).xyz;
-  slip.z -= Real(p.increment);
-  const Vec3 stick = load(lanes, p.points.stick);
-  const Force force = advance_points(
-      p, lanes, {gap, h, Real(1.0), zero, normal, lay_across(stick, normal, stick), slip}, old_gap, sums);
-  const Vec3 total = force.drag + force.pressing * gradient, pull = side * force.drag;
-  store(lanes, out, 2, total);
-  store(lanes, out + 1, 2, pull);
-  const Vec3 moment = cross(position.xyz, total) + cross(n, pull);
-  force_sum[0].add(lanes, total.x);
-  force_sum[1].add(lanes, total.y);
-  force_sum[2].add(lanes, total.z);
-  moment_sum[0].add(lanes, moment.x);
-  moment_sum[1].add(lanes, moment.y);
-  moment_sum[2].add(lanes, moment.z);
-}
-
-ToolSums advance_tool(const ToolRows& p, Index begin, Index end) {
-  using Sum = simd::Sum<Real>;
-  Sums sums(begin);
-  Sum force[3] = {Sum(begin), Sum(begin), Sum(begin)}, moment[3] = {Sum(begin), Sum(begin), Sum(begin)};
-  simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) { advance_tool_pack(p, lanes, sums, force, moment); });
-  ToolSums result;
-  sums.add_to(result.energies);
-  for (int d = 0; d < 3; ++d) {
-    result.force[d] = force[d].total();
-    result.moment[d] = moment[d].total();
-  }
-  return result;
-}
-
 }  // namespace
 
 template <>
 const ContactKernels& get_contact_kernels<simd::Target>() {
-  static constexpr ContactKernels kernels{advance_tool, advance_pairs, add_upper_forces};
+  static constexpr ContactKernels kernels{advance_pairs, add_upper_forces};
   return kernels;
 }
 

@@ -42,29 +42,7 @@ struct PairRows {
   int (*walk)(void* owner, std::ptrdiff_t i, double& edge);
 };
 
-/// Nodes of a layer against a tool whose distances are known.
-struct ToolRows {
-  InterfaceLaw law;
-  double dt;         ///< s; 0 at the start of a run
-  double increment;  ///< of the tool along z, mm
-  const Node* layer;
-  ConstRows gradient;  ///< of the distance [n]
-  const double* gap;   ///< [n] mm
-  PointRows points;
-  Quad* force;  ///< force on node i and pull on its normal, in 2 i and 2 i + 1
-};
-
-/// What some points of a tool add up to.
-struct ToolSums {
-  InterfaceEnergies energies;
-  double force[3] = {};   ///< on the layer, N
-  double moment[3] = {};  ///< of the same about the origin, N mm
-};
-
 struct ContactKernels {
-  /// Advances the points [begin, end) and fills the forces. Points that were open and stay so are left as they are, but
-  /// for gap, height and their force, zero.
-  ToolSums (*advance_tool)(const ToolRows& tool, std::ptrdiff_t begin, std::ptrdiff_t end);
   /// Advances the points [begin, end) and fills the forces: those on the upper layer, of the corners k of the facet
   /// that point begin + i faces, into 6 i + 2 k (on the node) and 6 i + 2 k + 1 (on its normal) of `upper_force` if the
   /// point touches. Adds to all energies but the work.

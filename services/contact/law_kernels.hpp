@@ -73,7 +73,8 @@ struct Motion {
 
 /// advance_point() of points.hpp; points that were open and stay so keep their slip.
 template <class Rows, class Lanes>
-inline Force advance_points(const Rows& p, const Lanes& lanes, const Motion& m, const Real& old_gap, Sums& sums) {
+[[gnu::always_inline]] inline Force advance_points(const Rows& p, const Lanes& lanes, const Motion& m,
+                                                   const Real& old_gap, Sums& sums) {
   const Real zero(0.0), half(0.5), k(p.law.stiffness), kt(p.law.tangential);
   const PointRows& q = p.points;
   const Mask<Real> closed = m.gap < zero;

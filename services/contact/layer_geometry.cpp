@@ -8,6 +8,7 @@ using Eigen::Index;
 
 LayerGeometry::LayerGeometry(const mechanics::TriangleMesh& mesh, double thickness, double density)
     : mesh_(&mesh),
+      cells_(pair_triangles(mesh)),
       nodes_(static_cast<std::size_t>(mesh.n_nodes())),
       mass_(mechanics::compute_lumped_mass(mesh, thickness, density)),
       area_(nodes_.size()),
@@ -22,7 +23,6 @@ LayerGeometry::LayerGeometry(const mechanics::TriangleMesh& mesh, double thickne
 
 void LayerGeometry::move_to(const NodalVectors& to) {
   const double* const x[3] = {&to(0, 0), &to(1, 0), &to(2, 0)};
-  const int *first = &mesh_->triangles(0, 0), *second = &mesh_->triangles(1, 0), *third = &mesh_->triangles(2, 0);
   Node* const nodes = nodes_.data();
   Quad* const area = area_.data();
   for_each_four(n_nodes(), [&](Index i, int count) {
@@ -36,8 +36,16 @@ void LayerGeometry::move_to(const NodalVectors& to) {
       store(area[i + l], Four{});
     }
   });
-  for (Index e = 0; e < mesh_->n_elements(); ++e) {
-    const int a = first[e], b = second[e], c = third[e];
+  for (const auto& [a, b, c, d] : cells_.pairs) {
+    const Four origin = load(nodes[a].position), across = load(nodes[c].position) - origin;
+    const Four first = cross(load(nodes[b].position) - origin, across);
+    const Four second = cross(across, load(nodes[d].position) - origin), both = first + second;
+    add_to(area[a], both);
+    add_to(area[b], first);
+    add_to(area[c], both);
+    add_to(area[d], second);
+  }
+  for (const auto& [a, b, c] : cells_.singles) {
     const Four origin = load(nodes[a].position);
     const Four twice = cross(load(nodes[b].position) - origin, load(nodes[c].position) - origin);
     add_to(area[a], twice);
@@ -70,7 +78,6 @@ NodalVectors LayerGeometry::positions() const {
 }
 
 void LayerGeometry::add_forces_of_pulls(Quad* records) const {
-  const int *first = &mesh_->triangles(0, 0), *second = &mesh_->triangles(1, 0), *third = &mesh_->triangles(2, 0);
   const Node* const nodes = nodes_.data();
   for_each_four(n_nodes(), [&](Index i, int count) {  // pulls on normals to pulls on sums of area vectors
     const auto pull = [&](Index k) -> auto& { return records[2 * k + 1]; };
@@ -84,8 +91,19 @@ void LayerGeometry::add_forces_of_pulls(Quad* records) const {
             pull);
   });
   const Quad* const pull = records + 1;
-  for (Index e = 0; e < mesh_->n_elements(); ++e) {  // s is a sum of u x v over the triangles
-    const int a = first[e], b = second[e], c = third[e];
+  // s is a sum of u x v over the triangles
+  for (const auto& [a, b, c, d] : cells_.pairs) {
+    const Four shared = load(pull[2 * a]) + load(pull[2 * c]);
+    const Four p = load(pull[2 * b]) + shared, q = load(pull[2 * d]) + shared;
+    const Four origin = load(nodes[a].position), across = load(nodes[c].position) - origin;
+    const Four on_b = cross(across, p), on_d = cross(q, across);
+    const Four on_c = cross(p, load(nodes[b].position) - origin) + cross(load(nodes[d].position) - origin, q);
+    add_to(records[2 * a], -(on_b + on_c + on_d));
+    add_to(records[2 * b], on_b);
+    add_to(records[2 * c], on_c);
+    add_to(records[2 * d], on_d);
+  }
+  for (const auto& [a, b, c] : cells_.singles) {
     const Four q = load(pull[2 * a]) + load(pull[2 * b]) + load(pull[2 * c]);
     const Four origin = load(nodes[a].position);
     const Four on_b = cross(load(nodes[c].position) - origin, q), on_c = cross(q, load(nodes[b].position) - origin);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "contact/cells.hpp"
 #include "contact/node.hpp"
 #include "mechanics/mesh.hpp"
 
@@ -59,6 +60,7 @@ class LayerGeometry {
 
  private:
   const mechanics::TriangleMesh* mesh_ = nullptr;
+  Cells cells_;
   std::vector<Node> nodes_;
   Scalars mass_;
   std::vector<Quad> area_;  ///< 2 s_i, s_i the sum of the area vectors around node i; n_i = s_i/|s_i| [n_nodes] mm2

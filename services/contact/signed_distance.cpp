@@ -7,6 +7,15 @@
 
 namespace interply::contact {
 
+ToolShape SignedDistance::to_shape() const {
+  const auto evaluate = [](const void* tool, const double x[3], double distance[4]) {
+    const Distance d = static_cast<const SignedDistance*>(tool)->evaluate({x[0], x[1], x[2]});
+    distance[0] = d.value;
+    for (int k = 0; k < 3; ++k) distance[k + 1] = d.gradient(k);
+  };
+  return {.kind = ToolShape::Kind::Any, .any = {this, evaluate}};
+}
+
 Triangle2::Triangle2(double edge) {
   const double r = edge / std::sqrt(3.0);
   corners_ = {Vector2(r, 0), Vector2(-0.5 * r, 0.5 * edge), Vector2(-0.5 * r, -0.5 * edge)};
@@ -50,6 +59,22 @@ double Triangle2::height(const Vector2& p) const {
 
 namespace {
 
+TriangleShape make_triangle(double edge) { return {0.5 * edge, 0.5 * edge / std::sqrt(3.0)}; }
+
+PunchShape make_shape(double edge, double height, double radius) {
+  const TriangleShape base = make_triangle(edge);
+  const double slant = std::hypot(base.inradius, height), length = std::hypot(slant, base.half_edge);
+  return {.base = base,
+          .radius = radius,
+          .height = height,
+          .normal_out = height / slant,
+          .normal_up = -base.inradius / slant,
+          .slant = slant,
+          .edge_slant = slant / length,
+          .edge_across = base.half_edge / length,
+          .edge_length = length};
+}
+
 /// Vector from the nearest point of a flat convex polygon to p; only called for p above its plane.
 Vector3 from_polygon(const Vector3* corner, int n, const Vector3& normal, const Vector3& p) {
   double nearest = std::numeric_limits<double>::infinity();
@@ -71,7 +96,7 @@ Vector3 from_polygon(const Vector3* corner, int n, const Vector3& normal, const 
 
 }  // namespace
 
-PyramidPunch::PyramidPunch(double edge, double height, double radius) : radius_(radius) {
+PyramidPunch::PyramidPunch(double edge, double height, double radius) : shape_(make_shape(edge, height, radius)) {
   const auto flat = Triangle2(edge).corners();
   const double base = radius + height;  // pyramid from the apex up to its base
   const double top = base + 20 * edge;  // the prism is long enough to have no end
@@ -111,37 +136,46 @@ Distance PyramidPunch::evaluate(const Vector3& x) const {
       away = d;
     }
   }
-  if (deepest <= 0) return {deepest - radius_, face_normal};  // inside the sharp body: contact is lost anyway
+  if (deepest <= 0) return {deepest - shape_.radius, face_normal};  // inside the sharp body: contact is lost anyway
   const double distance = std::sqrt(nearest);
-  return {distance - radius_, away / distance};
+  return {distance - shape_.radius, away / distance};
 }
 
+ToolShape PyramidPunch::to_shape() const { return {.kind = ToolShape::Kind::Punch, .punch = shape_}; }
+
 OpeningPlate::OpeningPlate(double edge, double offset, double shoulder, bool faces_up)
-    : triangle_(edge), offset_(offset), shoulder_(shoulder), up_(faces_up ? 1.0 : -1.0) {}
+    : triangle_(edge),
+      shape_{.opening = make_triangle(edge),
+             .offset = offset,
+             .shoulder = shoulder,
+             .land = offset + shoulder,
+             .up = faces_up ? 1.0 : -1.0} {}
 
 Distance OpeningPlate::evaluate(const Vector3& x) const {
-  const double h = up_ * x.z();  // > 0 outside the plate
-  if (h > -shoulder_ && triangle_.height(x.head<2>()) >= offset_ + shoulder_)
-    return {h, Vector3(0, 0, up_)};  // on the flat land
-  Vector2 outward;                   // horizontal, away from the opening's centre
-  const double s = triangle_.distance(x.head<2>(), outward) - offset_;  // > 0 above the plate
+  const double up = shape_.up, shoulder = shape_.shoulder;
+  const double h = up * x.z();  // > 0 outside the plate
+  if (h > -shoulder && triangle_.height(x.head<2>()) >= shape_.land) return {h, Vector3(0, 0, up)};
+  Vector2 outward;  // horizontal, away from the opening's centre
+  const double s = triangle_.distance(x.head<2>(), outward) - shape_.offset;  // > 0 above the plate
   // rounded quadrant {s > 0, h < 0}: measured from the centre line of the shoulder at (r, -r)
-  const double p = shoulder_ - s, q = h + shoulder_;
+  const double p = shoulder - s, q = h + shoulder;
   Vector3 gradient;
   double value;
   if (p > 0 && q > 0) {
     const double r = std::hypot(p, q);
-    value = r - shoulder_;
-    gradient << -p / r * outward, q / r * up_;
+    value = r - shoulder;
+    gradient << -p / r * outward, q / r * up;
   } else if (q >= p) {
     value = h;
-    gradient << 0, 0, up_;
+    gradient << 0, 0, up;
   } else {
     value = -s;
     gradient << -outward, 0;
   }
   return {value, gradient};
 }
+
+ToolShape OpeningPlate::to_shape() const { return {.kind = ToolShape::Kind::Plate, .plate = shape_}; }
 
 double compute_opening_area(double edge, double offset, double shoulder) {
   const double r = offset + shoulder;

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "contact/tool_kernels.hpp"
 #include "mechanics/nodal.hpp"
 
 namespace interply::contact {
@@ -21,6 +22,8 @@ class SignedDistance {
  public:
   virtual ~SignedDistance() = default;
   virtual Distance evaluate(const Vector3& x) const = 0;
+  /// For the kernel. Must not outlive the object.
+  virtual ToolShape to_shape() const;
 };
 
 /// Regular triangle in the plane, centroid at the origin, one corner on the positive x axis.
@@ -49,6 +52,7 @@ class PyramidPunch : public SignedDistance {
  public:
   PyramidPunch(double edge, double height, double radius);
   Distance evaluate(const Vector3& x) const override;
+  ToolShape to_shape() const override;
 
  private:
   struct Face {
@@ -56,7 +60,7 @@ class PyramidPunch : public SignedDistance {
     std::array<Vector3, 4> corner;  ///< counter-clockwise seen from outside
     Vector3 normal;                 ///< outward
   };
-  double radius_;
+  PunchShape shape_;
   std::array<Face, 6> faces_;  ///< three of the pyramid, three of the prism
 };
 
@@ -66,10 +70,11 @@ class OpeningPlate : public SignedDistance {
  public:
   OpeningPlate(double edge, double offset, double shoulder, bool faces_up);
   Distance evaluate(const Vector3& x) const override;
+  ToolShape to_shape() const override;
 
  private:
   Triangle2 triangle_;
-  double offset_, shoulder_, up_;
+  PlateShape shape_;
 };
 
 /// Area of the opening enlarged by its shoulder radius, where the flat land begins: A = sqrt(3)/4 e^2 + 3 e r + pi r^2

@@ -1,7 +1,6 @@
 #include "contact/tool_interface.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "contact/rows.hpp"
@@ -13,72 +12,44 @@ using mechanics::at;
 ToolInterface::ToolInterface(const InterfaceLaw& law, const LayerGeometry& layer, Tool& tool,
                              std::shared_ptr<Scratch> scratch)
     : law_(law),
-      kernels_(choose_contact_kernels()),
+      kernels_(choose_tool_kernels()),
       layer_(layer),
       tool_(tool),
       points_(mechanics::compute_tributary_areas(layer.mesh()), law.tangential),
       slack_(Scalars::Zero(layer.n_nodes())),
       near_(0),
-      gap_(points_.gap),
-      gradient_(NodalVectors::Zero(3, layer.n_nodes())),
       scratch_(std::move(scratch)),
       on_layer_(layer, scratch_->lower),
-      block_sums_(static_cast<std::size_t>(count_blocks(points_.size()))),
-      block_touches_(block_sums_.size()) {
-  gradient_.row(2) = 1;
+      block_sums_(static_cast<std::size_t>(count_blocks(points_.size()))) {
   for (Eigen::Index i = 0; i < layer.n_nodes(); ++i) near_ = std::max(near_, layer.half_thickness(i));
 }
 
-/// Distances of those of the nodes [begin, end) that may be near. Returns whether one of them touches or did.
-bool ToolInterface::evaluate(Eigen::Index begin, Eigen::Index end) {
-  bool touches = false;  // nodes that touch have no slack
-  for (Eigen::Index i = begin; i < end; ++i) {
-    if (slack_(i) > 0) {
-      const Quad& by = layer_.node(i).increment;
-      const double down = by.z - tool_.increment;
-      slack_(i) -= std::sqrt(by.x * by.x + by.y * by.y + down * down);
-    }
-    if (slack_(i) > 0) continue;
-    const Distance d = tool_.shape->evaluate(layer_.position(i) - Vector3(0, 0, tool_.z));
-    gap_(i) = d.value - layer_.half_thickness(i);
-    for (int k = 0; k < 3; ++k) gradient_(k, i) = d.gradient(k);
-    slack_(i) = gap_(i) - 0.5 * near_;  // thickness changes are far smaller than this margin
-    touches = touches || gap_(i) < 0 || points_.gap(i) < 0;
-  }
-  return touches;
-}
-
 void ToolInterface::update(double dt, const BlockRunner& run) {
+  const ToolShape shape = tool_.shape->to_shape();
   const ToolRows rows{.law = law_,
                       .dt = dt,
+                      .z = tool_.z,
                       .increment = tool_.increment,
+                      .margin = 0.5 * near_,  // thickness changes are far smaller
                       .layer = layer_.nodes(),
-                      .gradient = get_rows(std::as_const(gradient_)),
-                      .gap = gap_.data(),
+                      .slack = slack_.data(),
                       .points = get_rows(points_),
                       .force = on_layer_.records()};
   for_each_block(run, points_.size(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    const auto b = static_cast<std::size_t>(block);
-    block_touches_[b] = evaluate(begin, end);
-    if (block_touches_[b]) {
-      block_sums_[b] = kernels_.advance_tool(rows, begin, end);
-      return;
-    }
-    block_sums_[b] = {};
-    std::fill(rows.force + 2 * begin, rows.force + 2 * end, Quad{});
-    points_.gap.segment(begin, end - begin) = gap_.segment(begin, end - begin);
-    for (Eigen::Index i = begin; i < end; ++i) points_.height(i) = layer_.half_thickness(i);
+    block_sums_[static_cast<std::size_t>(block)] = kernels_.advance(shape, rows, begin, end);
   });
+  bool touches = false;
   old_tool_force_ = tool_.force;
   tool_.force.setZero();
   tool_.moment.setZero();
   energies_.stored = 0;
   for (const ToolSums& sums : block_sums_) {
+    touches = touches || sums.touches;
     energies_.add(sums.energies);
     tool_.force -= Vector3(sums.force[0], sums.force[1], sums.force[2]);
     tool_.moment -= Vector3(sums.moment[0], sums.moment[1], sums.moment[2]);
   }
-  finish(std::find(block_touches_.begin(), block_touches_.end(), 1) != block_touches_.end());
+  finish(touches);
 }
 
 void ToolInterface::finish(bool touches) {

@@ -46,22 +46,18 @@ class ToolInterface {
 
  private:
   bool is_near(Eigen::Index i) const { return points_.gap(i) < near_; }
-  bool evaluate(Eigen::Index begin, Eigen::Index end);
   void finish(bool touches);
 
   InterfaceLaw law_;
-  const ContactKernels& kernels_;
+  const ToolKernels& kernels_;
   const LayerGeometry& layer_;
   Tool& tool_;
   Points points_;
-  Scalars slack_;          ///< path length that the node may still move relative to the tool before it can touch [n] mm
-  double near_;            ///< gap below which a node counts for the stable increment, mm
-  Scalars gap_;            ///< of the nodes that are near, else as in points_ [n] mm
-  NodalVectors gradient_;  ///< of the distance
+  Scalars slack_;  ///< path length that the node may still move relative to the tool before it can touch [n] mm
+  double near_;    ///< gap below which a node counts for the stable increment, mm
   std::shared_ptr<Scratch> scratch_;
   FaceForces on_layer_;
   std::vector<ToolSums> block_sums_;
-  std::vector<unsigned char> block_touches_;  ///< 0: nothing acts in the block
   Vector3 old_tool_force_ = Vector3::Zero();
   InterfaceEnergies energies_;
 };

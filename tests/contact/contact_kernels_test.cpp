@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <thread>
 
 #include "support/contact_layer.hpp"
+#include "support/simd_target.hpp"
 
 namespace {
 
@@ -15,21 +15,9 @@ using namespace interply;
 using namespace interply::contact;
 using test::ContactLayer;
 using test::make_turned_rectangle;
+using test::Target;
 
 const InterfaceLaw kLaw{.stiffness = 500, .tangential = 400, .damping = 1e-5, .friction = 0.25};
-
-/// Kernels made in its scope are those of one target.
-class Target {
- public:
-  explicit Target(const char* name) {
-    if (const char* old = std::getenv("INTERPLY_SIMD")) old_ = old;
-    setenv("INTERPLY_SIMD", name, 1);
-  }
-  ~Target() { old_.empty() ? unsetenv("INTERPLY_SIMD") : setenv("INTERPLY_SIMD", old_.c_str(), 1); }
-
- private:
-  std::string old_;
-};
 
 /// Two sheets of other meshes on a bowl, pressed and dragged over each other; part of the lower one is beyond the edge
 /// of the upper one, part of the sheets does not touch. Neither has a number of nodes that fills whole packs or blocks.
