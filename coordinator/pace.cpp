@@ -6,12 +6,8 @@
 namespace interply::coordinator {
 
 double compute_increment(const Vote& vote) {
-  return 2 / std::sqrt(4 / (vote.increment * vote.increment) + vote.contact_rate);
-}
-
-double compute_damping_factor(double zeta) {
-  const double limit = std::sqrt(1 + zeta * zeta) - zeta;
-  return 1 / (limit * limit);
+  const double square = 4 / (vote.increment * vote.increment) + vote.contact_rate, half = 0.5 * vote.damping_rate;
+  return 2 / (half + std::sqrt(half * half + square));
 }
 
 Pace::Pace(const scene::Scene& scene)

@@ -12,15 +12,18 @@ namespace interply::coordinator {
 struct Vote {
   double increment = 0;     ///< stable increment of the layer alone, s
   double contact_rate = 0;  ///< largest row sum of M^-1 K of its contact, 1/s2
+  double damping_rate = 0;  ///< largest row sum of M^-1 C of its contact, 1/s
 };
 
-/// Stable increment of a layer in contact: (2/dt)^2 = (2/vote)^2 + rate, as the largest eigenvalue of a sum of
-/// symmetric matrices is at most the sum of their largest eigenvalues.
+/// Stable increment of a layer in contact, whose damping acts on the velocity half a step ago:
+/// dt^2 ((2/vote)^2 + contact_rate) + 2 dt damping_rate = 4                                                   (D1)
+///
+/// A mode z^n x of x(n+1) - 2 x(n) + x(n-1) + dt M^-1 C (x(n) - x(n-1)) + dt^2 M^-1 K x(n) = 0, multiplied by x* M, is a
+/// quadratic equation for z with the real coefficients dt c and dt^2 k; |z| <= 1 as long as dt^2 k + 2 dt c <= 4, and
+/// k and c are at most the largest eigenvalues, those of sums of symmetric matrices at most the sums of theirs. For one
+/// oscillator with damping zeta this is dt <= (2/omega)(sqrt(1 + zeta^2) - zeta). The fraction of critical damping of
+/// a stack's fastest mode is more than that of a pair.
 double compute_increment(const Vote& vote);
-
-/// Factor on contact rates for damping of fraction zeta that acts on the velocity half a step ago:
-/// the limit of such an oscillator is dt <= (2/omega)(sqrt(1 + zeta^2) - zeta).
-double compute_damping_factor(double zeta);
 
 class Pace {
  public:

@@ -46,7 +46,7 @@ class Stack {
   void answer(int i, mechanics::NodalVectors& force);
   bool is_step_complete() const;
 
-  /// Largest row sum of M^-1 K of the contact of each layer with its own vote. @param damping_factor  Pace
+  /// Largest weighted row sums of the contact of each layer (contact/THEORY.md 3), with its own vote.
   std::vector<Vote> collect_votes() const;
 
   /// All interfaces in the order of name_interfaces(): die, between layers upwards, blank holder, punch.
@@ -65,6 +65,9 @@ class Stack {
 
  private:
   contact::InterfaceLaw make_law(int lower, int upper, double friction) const;
+  /// Weights of the layers' displacements in the row sums that make the largest of (2/vote)^2 + rate as small as can
+  /// be: the eigenvector of the stack of single columns of nodes. Any positive weights bound the frequencies.
+  std::vector<double> choose_weights() const;
   void update_interfaces_of(int i, double dt);
 
   const scene::Scene& scene_;

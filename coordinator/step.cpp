@@ -133,10 +133,12 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.blank_holder_force = holder_force();
   row.blank_holder_target = holder_.target();
   row.peak_penetration = sample_penetration().peak();
-  row.contact_vote = std::numeric_limits<double>::infinity();
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  row.contact_vote = kForever;
   for (const Vote& vote : votes_) {
     row.votes.push_back(vote.increment);
-    row.contact_vote = std::min(row.contact_vote, 2 / std::sqrt(vote.contact_rate));
+    const Vote of_contact{kForever, vote.contact_rate, vote.damping_rate};
+    row.contact_vote = std::min(row.contact_vote, compute_increment(of_contact));
   }
   row.layer_kinetic = b.layer_kinetic;
   row.layer_internal = b.layer_internal;

@@ -99,19 +99,24 @@ Facing LayerInterface::follow(Eigen::Index i, double& edge) {
   return now;
 }
 
-void LayerInterface::add_rates_to(Scalars& lower_rate, Scalars& upper_rate) const {
-  const double stiffness = std::max(law_.stiffness, law_.tangential);
+void LayerInterface::add_rates_to(Rates& lower, Rates& upper, double ratio) const {
+  const double most = std::max(law_.stiffness, law_.tangential);
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
     const Facing facing = hold(upper_, lower_.position(i), lower_.normal(i), triangle_[static_cast<std::size_t>(i)]);
-    // g = (1, -w0, -w1, -w2): |g|_1 = 2 inside, row sum of node j = k A |g_j| |g|_1 / m_j
     const double* w = facing.projection.weight;
     const double offset = std::max(lower_.half_thickness(i), points_.height(i) - lower_.half_thickness(i));
-    const double k = stiffness * points_.area(i) * facing.share * compute_turning_factor(offset, points_.area(i)) *
-                     (1 + std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]));
-    lower_rate(i) += k / lower_.mass()(i);
+    const double area = points_.area(i) * facing.share;
+    const double stiffness = most * compute_turning_factor(offset, points_.area(i));
+    const auto add = [&](Rates& rates, Eigen::Index node, double sum) {
+      rates.stiffness(node) += stiffness * sum;
+      rates.damping(node) += law_.damping * sum;
+    };
+    // g = (1, -w0, -w1, -w2), row sum of node j = k A |g_j| sum_l |g_l| d_l/d_j / m_j
+    const double all = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
+    add(lower, i, area * (1 + ratio * all) / lower_.mass()(i));
     for (int c = 0; c < 3; ++c) {
       const int j = upper_.mesh().triangles(c, facing.triangle);
-      upper_rate(j) += k * std::abs(w[c]) / upper_.mass()(j);
+      add(upper, j, area * std::abs(w[c]) * (1 / ratio + all) / upper_.mass()(j));
     }
   }
 }

@@ -39,10 +39,11 @@ class LayerInterface {
   /// The same point by point in the plain form of the equations: what update() must agree with to round-off.
   void update_plainly(double dt);
 
-  /// For each node of both partners, the row sum of M^-1 K of all paired points, touching or not: what contact adds to
-  /// omega^2 there, an upper bound where the facets are flat (THEORY.md 3). Adds to `lower_rate` and `upper_rate`,
-  /// 1/s2.
-  void add_rates_to(Scalars& lower_rate, Scalars& upper_rate) const;
+  /// Adds the row sums of all paired points, touching or not, for each node of both partners: upper bounds where the
+  /// facets are flat (THEORY.md 3).
+  /// @param ratio  of the weights d of the upper to those of the lower layer: any positive weights give row sums
+  ///               sum_l |K_jl| d_l/d_j that bound K
+  void add_rates_to(Rates& lower, Rates& upper, double ratio = 1) const;
 
   const Points& points() const { return points_; }
   const InterfaceEnergies& energies() const { return energies_; }

@@ -32,6 +32,13 @@ inline double compute_turning_factor(double offset, double area) {
   return root * root;
 }
 
+/// What contact adds to the square of frequencies and to decay at the nodes of a layer: row sums of M^-1 K and M^-1 C.
+struct Rates {
+  Scalars stiffness;  ///< [n_nodes] 1/s2
+  Scalars damping;    ///< [n_nodes] 1/s
+  explicit Rates(Eigen::Index n_nodes) : stiffness(Scalars::Zero(n_nodes)), damping(Scalars::Zero(n_nodes)) {}
+};
+
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the
 /// partner receives the opposite.
 struct Points {

@@ -90,18 +90,20 @@ void ToolInterface::update_plainly(double dt) {
   finish(touches);
 }
 
-void ToolInterface::add_rates_to(Scalars& rate) const {
-  const double stiffness = std::max(law_.stiffness, law_.tangential);
-  for (Eigen::Index i = 0; i < points_.size(); ++i)
-    if (is_near(i))
-      rate(i) += stiffness * points_.area(i) / layer_.mass()(i) *
-                 compute_turning_factor(layer_.half_thickness(i), points_.area(i));
+void ToolInterface::add_rates_to(Rates& rates, double factor) const {
+  const double most = std::max(law_.stiffness, law_.tangential);
+  for (Eigen::Index i = 0; i < points_.size(); ++i) {
+    if (!is_near(i)) continue;
+    const double sum = factor * points_.area(i) / layer_.mass()(i);
+    rates.stiffness(i) += most * compute_turning_factor(layer_.half_thickness(i), points_.area(i)) * sum;
+    rates.damping(i) += law_.damping * sum;
+  }
 }
 
-double ToolInterface::total_stiffness() const {
+double ToolInterface::near_area() const {
   double sum = 0;
   for (Eigen::Index i = 0; i < points_.size(); ++i)
-    if (is_near(i)) sum += law_.stiffness * points_.area(i);
+    if (is_near(i)) sum += points_.area(i);
   return sum;
 }
 

@@ -35,10 +35,10 @@ class ToolInterface {
   /// The same point by point: what update() must agree with to round-off.
   void update_plainly(double dt);
 
-  /// Row sum of M^-1 K of each node that is near the tool. Adds to `rate`, 1/s2.
-  void add_rates_to(Scalars& rate) const;
-  /// The same for the tool's own vertical degree of freedom: sum of stiffnesses, N/mm.
-  double total_stiffness() const;
+  /// Adds the row sums of each node that is near the tool, times `factor`.
+  void add_rates_to(Rates& rates, double factor = 1) const;
+  /// Area of these nodes, mm2.
+  double near_area() const;
 
   const Points& points() const { return points_; }
   const InterfaceEnergies& energies() const { return energies_; }

@@ -48,10 +48,11 @@ TEST(StableIncrement, OfAMassOnElementAndContactSpringIsExact) {
   EXPECT_EQ(compute_increment({1e-6, 0}), 1e-6);
 }
 
-TEST(StableIncrement, DampingFactorIsTheLimitOfTheLaggedDamper) {
+TEST(StableIncrement, OfADampedOscillatorIsTheLimitOfTheLaggedDamper) {
   // u'' = -omega^2 u - 2 zeta omega v(n - 1/2): largest dt whose amplification stays at one, found by iterating
   for (const double zeta : {0.0, 0.05, 0.3}) {
-    const double limit = 2 / std::sqrt(compute_damping_factor(zeta));
+    const double limit = compute_increment({.increment = 2, .damping_rate = 2 * zeta});
+    EXPECT_NEAR(limit, 2 * (std::sqrt(1 + zeta * zeta) - zeta), 1e-15);
     const auto grows = [&](double dt) {
       double u = 1, v = 0;
       for (int n = 0; n < 20000 && std::abs(u) < 1e6; ++n) {

@@ -215,7 +215,7 @@ TEST(Stack, ContactRatesBoundTheTrueFrequenciesOfTheWholeStack) {
   double bound = 0;
   for (const Vote& vote : stack.collect_votes()) bound = std::max(bound, vote.contact_rate);
   EXPECT_LE(eigenvalue, bound);
-  EXPECT_GT(eigenvalue, 0.3 * bound);  // and not by far
+  EXPECT_GT(eigenvalue, 0.85 * bound);  // one weight for all layers would leave 0.77
 }
 
 }  // namespace

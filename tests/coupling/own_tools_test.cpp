@@ -14,15 +14,21 @@ namespace {
 using namespace interply;
 
 test::InProcessResult form(std::vector<std::string> more) {
-  std::vector<std::string> all{"blank.mesh_size=20", "motion.stroke=15", "motion.forming_time=3e-3", "record.frames=1"};
+  std::vector<std::string> all{"blank.mesh_size=20", "motion.stroke=15", "motion.forming_time=3e-3", "record.frames=1",
+                               "contact.damping=0.5"};
   all.insert(all.end(), more.begin(), more.end());
   scene::Scene scene = test::read_test_scene("flat_stack.yaml", all);
   scene.layers = {scene.layers[1], scene.layers[4]};  // a ply under a sheet
+  scene.layers[0].bending = {500, 500}, scene.layers[0].twist = 250;
   return test::run_in_process(scene);
 }
 
 /// The chords of 24 facets per rounding lie up to 15 (1 - sqrt(1 - 3/24^2)) = 0.04 mm inside the tip of the punch
 /// (triangle_tool_test.cpp): no node may differ by more. Work and force grow with the stroke of 15 mm: 1 %.
+///
+/// Nothing holds the ply in the opening from below. With the bending stiffness of a fabric and the default damping it
+/// bounces there, and where its nodes are at the end scatters by 0.02 to 0.08 mm for increments of 0.5 to 0.98 of the
+/// bound. With those of this scene all of them give the same, 0.015 mm.
 TEST(OwnTools, FormLikeTheAnalyticToolsWithinTheSagittaOfTheirFacets) {
   const test::OwnTools tools(24);
   const auto analytic = form({}), stl = form(tools.overrides());
