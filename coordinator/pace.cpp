@@ -5,11 +5,6 @@
 
 namespace interply::coordinator {
 
-double compute_increment(const Vote& vote) {
-  const double square = 4 / (vote.increment * vote.increment) + vote.contact_rate, half = 0.5 * vote.damping_rate;
-  return 2 / (half + std::sqrt(half * half + square));
-}
-
 Pace::Pace(const scene::Scene& scene)
     : safety_(scene.time.safety),
       end_(scene.end_time()),
@@ -19,10 +14,9 @@ Pace::Pace(const scene::Scene& scene)
       frame_(scene.record.frames > 0 ? 0 : -1),
       frames_(scene.record.frames) {}
 
-double Pace::choose(const std::vector<Vote>& votes, double time) const {
+double Pace::choose(const Votes& votes, double time) const {
   constexpr double kGrowth = 1.05;  // a softening tangent is followed slowly, a stiffening one at once
-  double dt = frame_every_;         // at most one frame a step
-  for (const Vote& vote : votes) dt = std::min(dt, safety_ * compute_increment(vote));
+  double dt = std::min(frame_every_, safety_ * votes.stack);  // at most one frame a step
   if (next_dt_ > 0) dt = std::min(dt, kGrowth * next_dt_);
   // Land on the end without a tiny last step, by a per cent less from far enough: next to the stability limit the
   // energy of the fastest mode, 1 - (omega dt/2)^2 of what its speed says, would jump with the increment.
@@ -30,9 +24,9 @@ double Pace::choose(const std::vector<Vote>& votes, double time) const {
   return steps < 100 ? left / std::max(1.0, steps) : dt;
 }
 
-void Pace::start(const std::vector<Vote>& votes) { next_dt_ = choose(votes, 0); }
+void Pace::start(const Votes& votes) { next_dt_ = choose(votes, 0); }
 
-void Pace::advance(const std::vector<Vote>& votes) {
+void Pace::advance(const Votes& votes) {
   ++step_;
   time_ += next_dt_;
   dt_ = next_dt_;

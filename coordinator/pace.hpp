@@ -8,22 +8,13 @@
 
 namespace interply::coordinator {
 
-/// What one layer may do: its own vote and what contact adds to its frequencies.
-struct Vote {
-  double increment = 0;     ///< stable increment of the layer alone, s
-  double contact_rate = 0;  ///< largest row sum of M^-1 K of its contact, 1/s2
-  double damping_rate = 0;  ///< largest row sum of M^-1 C of its contact, 1/s
+/// Largest stable increments, s.
+struct Votes {
+  std::vector<double> layers;  ///< of each layer alone
+  double contact = 0;          ///< of contact between layers that are nothing but masses
+  double stack = 0;            ///< of all together
+  int fastest = 0;             ///< layer that moves most in the stack's fastest mode; their number: the blank holder
 };
-
-/// Stable increment of a layer in contact, whose damping acts on the velocity half a step ago:
-/// dt^2 ((2/vote)^2 + contact_rate) + 2 dt damping_rate = 4                                                   (D1)
-///
-/// A mode z^n x of x(n+1) - 2 x(n) + x(n-1) + dt M^-1 C (x(n) - x(n-1)) + dt^2 M^-1 K x(n) = 0, multiplied by x* M, is a
-/// quadratic equation for z with the real coefficients dt c and dt^2 k; |z| <= 1 as long as dt^2 k + 2 dt c <= 4, and
-/// k and c are at most the largest eigenvalues, those of sums of symmetric matrices at most the sums of theirs. For one
-/// oscillator with damping zeta this is dt <= (2/omega)(sqrt(1 + zeta^2) - zeta). The fraction of critical damping of
-/// a stack's fastest mode is more than that of a pair.
-double compute_increment(const Vote& vote);
 
 class Pace {
  public:
@@ -38,12 +29,12 @@ class Pace {
   bool has_row() const { return row_; }        ///< a history row is due at step n
 
   /// Before step 0 is answered: the increment of the first step from the first votes.
-  void start(const std::vector<Vote>& votes);
+  void start(const Votes& votes);
   /// From step n to n + 1, with the votes of step n for the increment after that.
-  void advance(const std::vector<Vote>& votes);
+  void advance(const Votes& votes);
 
  private:
-  double choose(const std::vector<Vote>& votes, double time) const;
+  double choose(const Votes& votes, double time) const;
   void mark();
 
   double safety_, end_, frame_every_, row_every_;

@@ -1,11 +1,11 @@
 #include "coordinator/stack.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/fastest_mode.hpp"
 #include "coordinator/tools.hpp"
 #include "solve/layer_mechanics.hpp"
 
@@ -169,60 +169,39 @@ bool Stack::is_step_complete() const {
   return std::all_of(layers_.begin(), layers_.end(), [](const LayerSlot& s) { return s.is_here; });
 }
 
-namespace {
-
-/// Weight of the blank holder's degree of freedom in the row sums, of that of the top layer: leaves 1.3 k/m at the
-/// nodes and (1 + 1/0.3) K/M for itself.
-constexpr double kHolderWeight = 0.3;
-
-}  // namespace
-
-std::vector<double> Stack::choose_weights() const {
-  const int n = n_layers(), top = n - 1;
-  std::vector<double> mass;  // per area
-  for (const scene::Layer& l : scene_.layers) mass.push_back(l.density * scene_.time.mass_scaling * l.thickness);
-  const auto stiffness = [&](int lower, int upper) {
-    const contact::InterfaceLaw law = make_law(lower, upper, 0);
-    return std::max(law.stiffness, law.tangential);
-  };
-  Eigen::MatrixXd chain = Eigen::MatrixXd::Zero(n, n);  // |M^-1/2 K M^-1/2| of a column of nodes
-  for (int i = 0; i < n; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const double below = stiffness(i == 0 ? kTool : i - 1, i), above = stiffness(i, i == top ? kTool : i + 1);
-    chain(i, i) = 4 / (layer(i).vote * layer(i).vote) + (below + (i == top ? 1 + kHolderWeight : 1) * above) / mass[at];
-    if (i < top) chain(i, i + 1) = chain(i + 1, i) = above / std::sqrt(mass[at] * mass[at + 1]);
+Votes Stack::collect_votes() const {
+  const std::size_t n = layers_.size();
+  Chain chain(n + 1);  // and the blank holder
+  std::vector<contact::Rates> within;
+  for (const LayerSlot& slot : layers_) within.emplace_back(slot.mesh.n_nodes());
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    contact::Rates up(layers_[i].mesh.n_nodes()), down(layers_[i + 1].mesh.n_nodes());
+    between_[i]->add_rates_to({within[i], up}, {within[i + 1], down});
+    chain.up[i] = up.find_largest();
+    chain.down[i] = down.find_largest();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(chain);
-  std::vector<double> weights;
-  for (int i = 0; i < n; ++i)
-    weights.push_back(std::abs(solver.eigenvectors()(i, top)) / std::sqrt(mass[static_cast<std::size_t>(i)]));
-  return weights;
-}
+  contact::Rates under_holder(layers_.back().mesh.n_nodes());
+  blank_holder_->add_rates_to(under_holder);
+  within.back() += under_holder;
+  die_->add_rates_to(within.front());
+  if (punch_) punch_->add_rates_to(within.back());
 
-std::vector<Vote> Stack::collect_votes() const {
-  const int top = n_layers() - 1;
-  const std::vector<double> weights = choose_weights();
-  std::vector<contact::Rates> rates;
-  for (const LayerSlot& slot : layers_) rates.emplace_back(slot.mesh.n_nodes());
-  blank_holder_->add_rates_to(rates.back(), 1 + kHolderWeight);
-  if (punch_) punch_->add_rates_to(rates.back());
-  die_->add_rates_to(rates.front());
-  for (std::size_t i = 0; i < between_.size(); ++i) {
-    constexpr double kMost = 4;  // a far heavier partner's share is small then, and the chain does not know the meshes
-    const double ratio = std::clamp(weights[i + 1] / weights[i], 1 / kMost, kMost);
-    between_[i]->add_rates_to(rates[i], rates[i + 1], ratio);
-  }
-  std::vector<Vote> votes;
-  for (int i = 0; i <= top; ++i) {
-    const contact::Rates& r = rates[static_cast<std::size_t>(i)];
-    votes.push_back({layer(i).vote, r.stiffness.maxCoeff(), r.damping.maxCoeff()});
-  }
-  const contact::InterfaceLaw law = make_law(top, kTool, 0);
+  const contact::InterfaceLaw law = make_law(n_layers() - 1, kTool, 0);
   const scene::BlankHolder& holder = scene_.tools.blank_holder;
-  const double mass = holder.mass_ratio * mass_, sum = (1 + 1 / kHolderWeight) * blank_holder_->near_area() / mass;
-  const double own = 2 * holder.damping * std::sqrt(stiffness_ / mass);  // damper of blank_holder.hpp
-  votes.back().contact_rate = std::max(votes.back().contact_rate, sum * law.stiffness);
-  votes.back().damping_rate = std::max(votes.back().damping_rate, sum * law.damping + own);
+  const double mass = holder.mass_ratio * mass_, area = blank_holder_->near_area();
+  chain.up.back() = under_holder.find_largest();
+  chain.down.back() = chain.own.back() = {law.stiffness * area / mass, law.damping * area / mass};
+  chain.own.back().damping += 2 * holder.damping * std::sqrt(stiffness_ / mass);  // its damper, blank_holder.hpp
+
+  for (std::size_t i = 0; i < n; ++i) chain.own[i] = within[i].find_largest();
+  Votes votes{.contact = find_fastest_mode(chain).increment};
+  for (std::size_t i = 0; i < n; ++i) {
+    votes.layers.push_back(layers_[i].vote);
+    chain.own[i].stiffness += 4 / (layers_[i].vote * layers_[i].vote);
+  }
+  const FastestMode mode = find_fastest_mode(chain);
+  votes.stack = mode.increment;
+  votes.fastest = mode.member;
   return votes;
 }
 

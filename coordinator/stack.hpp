@@ -46,8 +46,8 @@ class Stack {
   void answer(int i, mechanics::NodalVectors& force);
   bool is_step_complete() const;
 
-  /// Largest weighted row sums of the contact of each layer (contact/THEORY.md 3), with its own vote.
-  std::vector<Vote> collect_votes() const;
+  /// Largest stable increments (fastest_mode.hpp): of the layers as they last said, and with what contact adds.
+  Votes collect_votes() const;
 
   /// All interfaces in the order of name_interfaces(): die, between layers upwards, blank holder, punch.
   int n_interfaces() const { return n_layers() + 1 + (punch_ ? 1 : 0); }
@@ -65,9 +65,6 @@ class Stack {
 
  private:
   contact::InterfaceLaw make_law(int lower, int upper, double friction) const;
-  /// Weights of the layers' displacements in the row sums that make the largest of (2/vote)^2 + rate as small as can
-  /// be: the eigenvector of the stack of single columns of nodes. Any positive weights bound the frequencies.
-  std::vector<double> choose_weights() const;
   void update_interfaces_of(int i, double dt);
 
   const scene::Scene& scene_;

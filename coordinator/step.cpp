@@ -133,13 +133,8 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.blank_holder_force = holder_force();
   row.blank_holder_target = holder_.target();
   row.peak_penetration = sample_penetration().peak();
-  constexpr double kForever = std::numeric_limits<double>::infinity();
-  row.contact_vote = kForever;
-  for (const Vote& vote : votes_) {
-    row.votes.push_back(vote.increment);
-    const Vote of_contact{kForever, vote.contact_rate, vote.damping_rate};
-    row.contact_vote = std::min(row.contact_vote, compute_increment(of_contact));
-  }
+  row.votes = votes_.layers;
+  row.contact_vote = votes_.contact;
   row.layer_kinetic = b.layer_kinetic;
   row.layer_internal = b.layer_internal;
   row.layer_residual = b.layer_residual;

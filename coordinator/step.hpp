@@ -62,7 +62,7 @@ class Forming {
   Stack stack_;
   Pace pace_;
   BlankHolder holder_;
-  std::vector<Vote> votes_;
+  Votes votes_;
   std::vector<exchange::LayerEnergies> layer_energies_;  ///< at step n - 1, from the motions of step n
   std::vector<exchange::Force> forces_;
   CoordinatorEnergies energies_;  ///< at step n - 1 until finish_step()

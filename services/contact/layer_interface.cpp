@@ -99,7 +99,7 @@ Facing LayerInterface::follow(Eigen::Index i, double& edge) {
   return now;
 }
 
-void LayerInterface::add_rates_to(Rates& lower, Rates& upper, double ratio) const {
+void LayerInterface::add_rates_to(LayerRates lower, LayerRates upper) const {
   const double most = std::max(law_.stiffness, law_.tangential);
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
     const Facing facing = hold(upper_, lower_.position(i), lower_.normal(i), triangle_[static_cast<std::size_t>(i)]);
@@ -111,12 +111,15 @@ void LayerInterface::add_rates_to(Rates& lower, Rates& upper, double ratio) cons
       rates.stiffness(node) += stiffness * sum;
       rates.damping(node) += law_.damping * sum;
     };
-    // g = (1, -w0, -w1, -w2), row sum of node j = k A |g_j| sum_l |g_l| d_l/d_j / m_j
-    const double all = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
-    add(lower, i, area * (1 + ratio * all) / lower_.mass()(i));
+    // g = (1, -w0, -w1, -w2): k A |g_j| |g_l| / m_j at j and l
+    const double all = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]), own = area / lower_.mass()(i);
+    add(lower.within, i, own);
+    add(lower.across, i, own * all);
     for (int c = 0; c < 3; ++c) {
       const int j = upper_.mesh().triangles(c, facing.triangle);
-      add(upper, j, area * std::abs(w[c]) * (1 / ratio + all) / upper_.mass()(j));
+      const double share = area * std::abs(w[c]) / upper_.mass()(j);
+      add(upper.within, j, share * all);
+      add(upper.across, j, share);
     }
   }
 }

@@ -39,11 +39,13 @@ class LayerInterface {
   /// The same point by point in the plain form of the equations: what update() must agree with to round-off.
   void update_plainly(double dt);
 
+  struct LayerRates {
+    Rates& within;  ///< of the layer's nodes with each other
+    Rates& across;  ///< with the partner's
+  };
   /// Adds the row sums of all paired points, touching or not, for each node of both partners: upper bounds where the
   /// facets are flat (THEORY.md 3).
-  /// @param ratio  of the weights d of the upper to those of the lower layer: any positive weights give row sums
-  ///               sum_l |K_jl| d_l/d_j that bound K
-  void add_rates_to(Rates& lower, Rates& upper, double ratio = 1) const;
+  void add_rates_to(LayerRates lower, LayerRates upper) const;
 
   const Points& points() const { return points_; }
   const InterfaceEnergies& energies() const { return energies_; }

@@ -32,11 +32,23 @@ inline double compute_turning_factor(double offset, double area) {
   return root * root;
 }
 
-/// What contact adds to the square of frequencies and to decay at the nodes of a layer: row sums of M^-1 K and M^-1 C.
+/// Sum of the absolute values in a row of M^-1 K and of M^-1 C: what contact adds to the square of a frequency and to
+/// its decay at most.
+struct RowSum {
+  double stiffness = 0;  ///< 1/s2
+  double damping = 0;    ///< 1/s
+};
+
+/// Row sums at the nodes of a layer; of the three directions the largest.
 struct Rates {
-  Scalars stiffness;  ///< [n_nodes] 1/s2
-  Scalars damping;    ///< [n_nodes] 1/s
+  Scalars stiffness, damping;  ///< as in RowSum [n_nodes]
   explicit Rates(Eigen::Index n_nodes) : stiffness(Scalars::Zero(n_nodes)), damping(Scalars::Zero(n_nodes)) {}
+  Rates& operator+=(const Rates& other) {
+    stiffness += other.stiffness;
+    damping += other.damping;
+    return *this;
+  }
+  RowSum find_largest() const { return {stiffness.maxCoeff(), damping.maxCoeff()}; }
 };
 
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the

@@ -90,11 +90,11 @@ void ToolInterface::update_plainly(double dt) {
   finish(touches);
 }
 
-void ToolInterface::add_rates_to(Rates& rates, double factor) const {
+void ToolInterface::add_rates_to(Rates& rates) const {
   const double most = std::max(law_.stiffness, law_.tangential);
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
     if (!is_near(i)) continue;
-    const double sum = factor * points_.area(i) / layer_.mass()(i);
+    const double sum = points_.area(i) / layer_.mass()(i);
     rates.stiffness(i) += most * compute_turning_factor(layer_.half_thickness(i), points_.area(i)) * sum;
     rates.damping(i) += law_.damping * sum;
   }

@@ -35,8 +35,8 @@ class ToolInterface {
   /// The same point by point: what update() must agree with to round-off.
   void update_plainly(double dt);
 
-  /// Adds the row sums of each node that is near the tool, times `factor`.
-  void add_rates_to(Rates& rates, double factor = 1) const;
+  /// Adds the row sums of each node that is near the tool.
+  void add_rates_to(Rates& rates) const;
   /// Area of these nodes, mm2.
   double near_area() const;
 

@@ -31,7 +31,6 @@ struct LayerCheck {
   Eigen::Index n_nodes = 0, n_elements = 0;
   double mass = 0;              ///< without mass scaling, t
   double stable_increment = 0;  ///< of the layer alone, s
-  double in_contact = 0;        ///< of the layer in the touching flat stack, s
   double step_seconds = 0;      ///< of one thread, measured here
 };
 
@@ -59,16 +58,15 @@ LayerCheck check_layer(const scene::Scene& scene, int index, std::unique_ptr<sol
   return check;
 }
 
-/// Fills in what contact of the flat stack leaves of each layer's increment, as the coordinator will.
-void add_contact(const scene::Scene& scene, std::vector<LayerCheck>& layers) {
+/// Increments of the touching flat stack, as the coordinator will find them.
+coordinator::Votes collect_votes(const scene::Scene& scene, const std::vector<LayerCheck>& layers) {
   coordinator::Stack stack(scene);
   stack.begin_step();
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const int index = static_cast<int>(i);
     stack.accept(index, {.vote = layers[i].stable_increment, .position = stack.layer(index).mesh.reference}, 0);
   }
-  const auto votes = stack.collect_votes();
-  for (std::size_t i = 0; i < layers.size(); ++i) layers[i].in_contact = coordinator::compute_increment(votes[i]);
+  return stack.collect_votes();
 }
 
 double read_resident_bytes() {
@@ -99,27 +97,27 @@ std::string describe_blank(const scene::Blank& blank) {
 }
 
 void print_layers(const scene::Scene& scene, const std::vector<LayerCheck>& layers, std::ostream& out) {
-  out << fmt::format("{:<16} {:<7} {:>7} {:>9} {:>10} {:>10} {:>13} {:>11}\n", "layer", "kind", "nodes", "elements",
-                     "mass g", "added g", "increment us", "in contact");
+  out << fmt::format("{:<16} {:<7} {:>7} {:>9} {:>10} {:>10} {:>13}\n", "layer", "kind", "nodes", "elements", "mass g",
+                     "added g", "increment us");
   for (auto l = layers.rbegin(); l != layers.rend(); ++l) {  // top layer first, as they lie
     const double gram = 1e6 * l->mass;
-    out << fmt::format("{:<16} {:<7} {:>7} {:>9} {:>10.2f} {:>10.2f} {:>13.3f} {:>11.3f}\n", l->layer->name,
+    out << fmt::format("{:<16} {:<7} {:>7} {:>9} {:>10.2f} {:>10.2f} {:>13.3f}\n", l->layer->name,
                        l->layer->kind() == scene::Kind::Fabric ? "fabric" : "metal", l->n_nodes, l->n_elements, gram,
-                       gram * (scene.time.mass_scaling - 1), 1e6 * l->stable_increment, 1e6 * l->in_contact);
+                       gram * (scene.time.mass_scaling - 1), 1e6 * l->stable_increment);
   }
 }
 
-void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers, double layer_bytes,
-                std::ostream& out) {
-  const auto& limiting = *std::min_element(layers.begin(), layers.end(),
-                                           [](const auto& a, const auto& b) { return a.in_contact < b.in_contact; });
-  const double dt = scene.time.safety * limiting.in_contact;
+void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers, const coordinator::Votes& votes,
+                double layer_bytes, std::ostream& out) {
+  const auto fastest = static_cast<std::size_t>(votes.fastest);
+  const double dt = scene.time.safety * votes.stack;
   const double steps = std::ceil(scene.end_time() / dt);
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   const auto processes = layers.size() + 2;
   out << fmt::format(
-      "\nincrement   {:.3f} us = {} x that of {} in contact; it falls as fabric stiffens and layers slide\n", 1e6 * dt,
-      scene.time.safety, limiting.layer->name);
+      "\nincrement   {:.3f} us = {} x that of the layers in contact, in whose fastest mode {} moves most; it falls as "
+      "fabric stiffens and layers slide\n",
+      1e6 * dt, scene.time.safety, fastest < layers.size() ? layers[fastest].layer->name : "the blank holder");
   out << fmt::format("steps       at least {:.0f}, for {:.2f} ms of forming\n", steps, 1e3 * scene.end_time());
   out << fmt::format("memory      about {:.0f} MiB in {} processes\n",
                      (2 * layer_bytes + static_cast<double>(processes) * kBytesPerProcess) / (1 << 20), processes);
@@ -137,12 +135,12 @@ int check_command(const CheckOptions& options, std::ostream& out) {
   std::vector<std::unique_ptr<solve::LayerMechanics>> kept(scene.layers.size());
   for (std::size_t i = 0; i < kept.size(); ++i) layers.push_back(check_layer(scene, static_cast<int>(i), kept[i]));
 
-  add_contact(scene, layers);
+  const coordinator::Votes votes = collect_votes(scene, layers);
 
   out << fmt::format("{}: {} layers, {}{}, stroke {:g} mm\n\n", scene.name, layers.size(), describe_blank(scene.blank),
                      scene.blank.half ? " (half model)" : "", scene.motion.stroke);
   print_layers(scene, layers, out);
-  print_cost(scene, layers, read_resident_bytes() - bytes_before, out);
+  print_cost(scene, layers, votes, read_resident_bytes() - bytes_before, out);
   for (const auto& warning : scene::find_warnings(scene)) out << "warning     " << warning << '\n';
   for (const auto& warning : tool_warnings) out << "warning     " << warning << '\n';
   return kDone;

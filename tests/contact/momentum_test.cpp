@@ -189,10 +189,10 @@ TEST(LayerInterface, RatesBoundTheStiffnessWithTurningNormals) {
     const Eigen::MatrixXd a =
         inverse_root_mass.asDiagonal() * (0.5 * (k + k.transpose())) * inverse_root_mass.asDiagonal();
     const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a).eigenvalues().maxCoeff();
-    Rates lower_rates(lower.mesh.n_nodes()), upper_rates(upper.mesh.n_nodes());
+    Rates lower_rates(lower.mesh.n_nodes()), upper_rates(upper.mesh.n_nodes());  // of rows over both layers
     LayerInterface interface(law, lower.geometry, upper.geometry);
     interface.update(0);
-    interface.add_rates_to(lower_rates, upper_rates);
+    interface.add_rates_to({lower_rates, lower_rates}, {upper_rates, upper_rates});
     const double bound = std::max(lower_rates.stiffness.maxCoeff(), upper_rates.stiffness.maxCoeff());
     EXPECT_LE(largest, bound) << thickness;
     EXPECT_GT(largest, 0.2 * bound) << thickness;

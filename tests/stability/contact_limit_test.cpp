@@ -101,10 +101,10 @@ TEST(LockStep, ContactGrowsAtTheExactRateBeyondKappaFour) {
 }
 
 /// Stand-in layers between the tools through the whole coordinator. The blank holder is made so heavy that it is a
-/// fixed partner. Returns the safety factor at which dt would be exactly the limit: matching meshes whose nodes all have
-/// the same mass and stiffness per area make the stack a chain of as many masses as layers, and
-/// x(n+1) - 2 x(n) + x(n-1) + dt M^-1 C (x(n) - x(n-1)) + dt^2 M^-1 K x(n) = 0 has the root z = -1, by which it leaves
-/// the unit circle, where the largest eigenvalue of M^-1 (dt^2 K + 2 dt C) is 4.
+/// fixed partner. Returns the safety factor at which dt would be exactly the limit: matching meshes whose nodes all
+/// have the same mass and stiffness per area make the stack a chain of as many masses as layers, and x(n+1) - 2 x(n) +
+/// x(n-1) + dt M^-1 C (x(n) - x(n-1)) + dt^2 M^-1 K x(n) = 0 has the root z = -1, by which it leaves the unit circle,
+/// where the largest eigenvalue of M^-1 (dt^2 K + 2 dt C) is 4.
 struct Limit {
   scene::Scene scene;
   double safety = 0;
@@ -138,8 +138,7 @@ Limit find_limit(int n_layers, double damping) {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n_layers, n_layers);
     for (int i = 0; i < n_layers; ++i) {
       a(i, i) = (of_interface(i - 1, i) + of_interface(i, i + 1)) * inverse_mass(i);
-      if (i > 0)
-        a(i, i - 1) = a(i - 1, i) = -of_interface(i - 1, i) * std::sqrt(inverse_mass(i - 1) * inverse_mass(i));
+      if (i > 0) a(i, i - 1) = a(i - 1, i) = -of_interface(i - 1, i) * std::sqrt(inverse_mass(i - 1) * inverse_mass(i));
     }
     return a;
   };
@@ -155,9 +154,7 @@ Limit find_limit(int n_layers, double damping) {
   stack.begin_step();
   for (int i = 0; i < n_layers; ++i)
     stack.accept(i, {.vote = 1, .position = solve::make_layer_mesh(scene, i).reference}, 0);
-  double voted = 1;
-  for (const coordinator::Vote& vote : stack.collect_votes())
-    voted = std::min(voted, coordinator::compute_increment(vote));
+  const double voted = stack.collect_votes().stack;
   EXPECT_LE(voted, exact) << "the bound in use is no bound";
   limit.safety = exact / voted;
   return limit;
