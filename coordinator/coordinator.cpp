@@ -55,6 +55,7 @@ class Run {
   }
 
   int frames_begun() const { return frames_begun_; }
+  const std::string& too_soft() const { return forming_.too_soft(); }
 
  private:
   void await_participants() {
@@ -238,6 +239,7 @@ Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::Co
     outcome.exit_code = 3;
     outcome.message = failure.what();
   }
+  if (outcome.exit_code == 3 && !run.too_soft().empty()) outcome.message += "; before that, " + run.too_soft();
   static const char* const kStatus[] = {"done", "", "", "diverged", "lost", "cancelled"};
   if (outcome.exit_code != 0) {
     const StopReason reason = outcome.exit_code == 3   ? StopReason::Diverged

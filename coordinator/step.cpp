@@ -68,7 +68,10 @@ void Forming::finish_step() {
   if (pace_.frame() >= 0) publish_frame();
   if (pace_.is_last()) return;
   if (pace_.has_row()) put_history_row(balance_);
-  if (pace_.step() % scene_.time.vote_every == 0) votes_ = stack_.collect_votes();
+  if (pace_.step() % scene_.time.vote_every == 0) {
+    votes_ = stack_.collect_votes();
+    note_too_soft();
+  }
   pace_.advance(votes_);
 }
 
@@ -95,6 +98,19 @@ void Forming::measure() {
   if (target > 0) holder_deviation_ = std::max(holder_deviation_, std::abs(holder_force() - target) / target);
   holder_impulse_ += pace_.dt() * holder_force();
   holder_time_ += pace_.dt();
+}
+
+void Forming::note_too_soft() {
+  for (int k = 1; k < stack_.n_layers() && too_soft_.empty(); ++k) {
+    const contact::Points& p = stack_.points(k);
+    Eigen::Index deepest = 0;
+    if (!((p.pressure > 0).select(-p.gap / p.height, 0.0).maxCoeff(&deepest) > 1)) continue;
+    too_soft_ = fmt::format(
+        "at time {:.6g} s, interface {} was pressed {:.3g} mm deep, past the midsurfaces: contact.reference_pressure = "
+        "{:g} MPa is too soft for this load",
+        pace_.time(), name_interfaces(scene_)[static_cast<std::size_t>(k)].name, -p.gap(deepest),
+        scene_.contact.reference_pressure);
+  }
 }
 
 contact::PenetrationSample Forming::sample_penetration() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,8 @@ class Forming {
   double residual() const { return residual_; }              ///< residual / scale, the same step
   double largest_residual() const { return largest_residual_; }
   int lost() const { return lost_; }
+  /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty: nowhere.
+  const std::string& too_soft() const { return too_soft_; }
   double stroke() const { return travel_; }
   double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }
   double holder_force() const { return stack_.blank_holder().force.z(); }
@@ -53,6 +56,7 @@ class Forming {
   void answer(int i);
   void check_balance();
   void measure();
+  void note_too_soft();
   contact::PenetrationSample sample_penetration() const;
   void publish_frame();
 
@@ -75,6 +79,7 @@ class Forming {
   double own_step_sum_ = 0, own_wait_sum_ = 0;
   std::int64_t steps_since_row_ = 0;
   int lost_ = -1;
+  std::string too_soft_;
 };
 
 }  // namespace interply::coordinator
