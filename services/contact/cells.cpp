@@ -2,6 +2,33 @@
 
 namespace interply::contact {
 
+namespace {
+
+using Reach = Cells::Reach;
+
+/// Cell `i`, one of the `of_kind` of a reach, is within reach of the blocks that have its nodes.
+template <std::size_t kCorners>
+void enter(std::vector<Reach>& reaches, Span Reach::*of_kind, Eigen::Index i, const std::array<int, kCorners>& nodes) {
+  const auto [low, high] = std::minmax_element(nodes.begin(), nodes.end());
+  for (const int node : nodes) {
+    Reach& reach = reaches[static_cast<std::size_t>(node / kBlockSize)];
+    reach.*of_kind = join(reach.*of_kind, {i, i + 1});
+    reach.nodes = join(reach.nodes, {*low, *high + 1});
+  }
+}
+
+}  // namespace
+
+Reach Cells::find_reach(const Span& nodes) const {
+  Reach all;
+  if (nodes.is_empty()) return all;
+  for (Eigen::Index b = nodes.first / kBlockSize; b <= (nodes.last - 1) / kBlockSize; ++b) {
+    const Reach& one = reaches[static_cast<std::size_t>(b)];
+    all = {join(all.nodes, one.nodes), join(all.pairs, one.pairs), join(all.singles, one.singles)};
+  }
+  return all;
+}
+
 Cells pair_triangles(const mechanics::TriangleMesh& mesh) {
   Cells cells;
   std::vector<bool> taken(static_cast<std::size_t>(mesh.n_elements()));
@@ -26,6 +53,11 @@ Cells pair_triangles(const mechanics::TriangleMesh& mesh) {
       if (mesh.neighbours(k, partner) == e) d = mesh.triangles(k, partner);
     cells.pairs.push_back({a, b, c, d});
   }
+  cells.reaches.resize(static_cast<std::size_t>(count_blocks(mesh.n_nodes())));
+  for (std::size_t i = 0; i < cells.pairs.size(); ++i)
+    enter(cells.reaches, &Reach::pairs, static_cast<Eigen::Index>(i), cells.pairs[i]);
+  for (std::size_t i = 0; i < cells.singles.size(); ++i)
+    enter(cells.reaches, &Reach::singles, static_cast<Eigen::Index>(i), cells.singles[i]);
   return cells;
 }
 

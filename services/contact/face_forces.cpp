@@ -11,14 +11,24 @@ FaceForces::FaceForces(const LayerGeometry& layer, std::vector<Quad>& records)
   records_.resize(std::max(records_.size(), static_cast<std::size_t>(2 * layer.n_nodes())));
 }
 
-double FaceForces::finish() {
-  layer_.add_forces_of_pulls(records_.data());
-  is_zero_ = false;
+double FaceForces::finish(const Span& acting) {
+  const Cells::Reach reach = layer_.find_reach(acting);
+  const Span acts = join(acting, reach.nodes), all = join(acts, acted_);
+  const auto clear = [&](Index begin, Index end) { std::fill(records() + 2 * begin, records() + 2 * end, Quad{}); };
+  if (acting.is_empty()) {
+    clear(all.first, all.last);
+  } else {
+    clear(all.first, acting.first);
+    clear(acting.last, all.last);
+  }
+  acted_ = acts;
+  layer_.add_forces_of_pulls(records(), reach);
+
   const Node* const nodes = layer_.nodes();
   const Quad* const records = records_.data();
   double* const force[3] = {&force_(0, 0), &force_(1, 0), &force_(2, 0)};
   Four work[3] = {};
-  for_each_four(force_.cols(), [&](Index i, int count) {
+  for_each_four(all.first, all.last, [&](Index i, int count) {
     const Vectors now = gather(
         i, count, [&](Index k) -> auto& { return records[2 * k]; });
     const Vectors by = gather(
@@ -31,17 +41,8 @@ double FaceForces::finish() {
       store_row(force[d], i, count, next[d]);
     }
   });
-  const Four all = work[0] + work[1] + work[2];
-  return 0.5 * (all[0] + all[1] + all[2] + all[3]);
-}
-
-double FaceForces::finish_without_forces() {
-  if (is_zero_) return 0;
-  double work = 0;
-  for (Index i = 0; i < force_.cols(); ++i) work += 0.5 * mechanics::at(force_, i).dot(layer_.increment(i));
-  force_.setZero();
-  is_zero_ = true;
-  return work;
+  const Four sum = work[0] + work[1] + work[2];
+  return 0.5 * (sum[0] + sum[1] + sum[2] + sum[3]);
 }
 
 }  // namespace interply::contact

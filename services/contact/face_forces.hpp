@@ -26,11 +26,9 @@ class FaceForces {
   Quad* records() { return records_.data(); }
   void clear_records() { std::fill_n(records(), 2 * layer_.n_nodes(), Quad{}); }
 
-  /// Turns the records into nodal forces.
+  /// Turns the records into nodal forces. @param acting  nodes that have records; nothing acts on the others
   /// @returns work of the forces in the step, trapezoid over the layer's displacement increment, mJ
-  double finish();
-  /// The same where nothing acts.
-  double finish_without_forces();
+  double finish(const Span& acting);
 
   const NodalVectors& force() const { return force_; }  ///< [3 x n_nodes] N
 
@@ -38,7 +36,7 @@ class FaceForces {
   const LayerGeometry& layer_;
   NodalVectors force_;
   std::vector<Quad>& records_;
-  bool is_zero_ = true;  ///< of force_
+  Span acted_;  ///< nodes of which force_ is not zero
 };
 
 }  // namespace interply::contact

@@ -11,12 +11,12 @@ namespace {
 
 inline Four sqrt(Four a) { return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
 
-/// Body(i, count) for four nodes at a time, the last ones alone.
+/// Body(i, count) for four nodes of [begin, end) at a time, the last ones alone.
 template <class Body>
-inline void for_each_four(std::ptrdiff_t n, const Body& body) {
-  std::ptrdiff_t i = 0;
-  for (; i + 4 <= n; i += 4) body(i, 4);
-  if (i < n) body(i, static_cast<int>(n - i));
+inline void for_each_four(std::ptrdiff_t begin, std::ptrdiff_t end, const Body& body) {
+  std::ptrdiff_t i = begin;
+  for (; i + 4 <= end; i += 4) body(i, 4);
+  if (i < end) body(i, static_cast<int>(end - i));
 }
 
 /// A vector of four nodes, or of fewer and then the last one again.

@@ -1,5 +1,7 @@
 #include "contact/layer_geometry.hpp"
 
+#include <span>
+
 #include "contact/fours.hpp"
 
 namespace interply::contact {
@@ -25,7 +27,7 @@ void LayerGeometry::move_to(const NodalVectors& to) {
   const double* const x[3] = {&to(0, 0), &to(1, 0), &to(2, 0)};
   Node* const nodes = nodes_.data();
   Quad* const area = area_.data();
-  for_each_four(n_nodes(), [&](Index i, int count) {
+  for_each_four(0, n_nodes(), [&](Index i, int count) {
     Four row[4] = {load_row(x[0], i, count), load_row(x[1], i, count), load_row(x[2], i, count), Four{}};
     transpose(row[0], row[1], row[2], row[3]);
     for (int l = 0; l < count; ++l) {
@@ -53,7 +55,7 @@ void LayerGeometry::move_to(const NodalVectors& to) {
     add_to(area[c], twice);
   }
   for (const int i : mesh_->symmetry_nodes) area[i].y = 0;
-  for_each_four(n_nodes(), [&](Index i, int count) {
+  for_each_four(0, n_nodes(), [&](Index i, int count) {
     const Vectors s = gather(
         i, count, [&](Index k) -> auto& { return area[k]; });
     const Four inverse = 1 / sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
@@ -77,22 +79,24 @@ NodalVectors LayerGeometry::positions() const {
   return x;
 }
 
-void LayerGeometry::add_forces_of_pulls(Quad* records) const {
+void LayerGeometry::add_forces_of_pulls(Quad* records, const Cells::Reach& reach) const {
   const Node* const nodes = nodes_.data();
-  for_each_four(n_nodes(), [&](Index i, int count) {  // pulls on normals to pulls on sums of area vectors
-    const auto pull = [&](Index k) -> auto& { return records[2 * k + 1]; };
-    const Vectors n = gather(
-        i, count, [&](Index k) -> auto& { return nodes[k].normal; });
-    const Vectors p = gather(i, count, pull);
-    const Four along = p.x * n.x + p.y * n.y + p.z * n.z, inverse = load_row(inverse_length_.data(), i, count);
-    scatter(i, count,
-            {(p.x - along * n.x) * inverse, (p.y - along * n.y) * inverse * load_row(sideways_.data(), i, count),
-             (p.z - along * n.z) * inverse, Four{}},
-            pull);
-  });
+  for_each_four(
+      reach.nodes.first, reach.nodes.last,
+      [&](Index i, int count) {  // pulls on normals to pulls on sums of area vectors
+        const auto pull = [&](Index k) -> auto& { return records[2 * k + 1]; };
+        const Vectors n = gather(
+            i, count, [&](Index k) -> auto& { return nodes[k].normal; });
+        const Vectors p = gather(i, count, pull);
+        const Four along = p.x * n.x + p.y * n.y + p.z * n.z, inverse = load_row(inverse_length_.data(), i, count);
+        scatter(i, count,
+                {(p.x - along * n.x) * inverse, (p.y - along * n.y) * inverse * load_row(sideways_.data(), i, count),
+                 (p.z - along * n.z) * inverse, Four{}},
+                pull);
+      });
   const Quad* const pull = records + 1;
   // s is a sum of u x v over the triangles
-  for (const auto& [a, b, c, d] : cells_.pairs) {
+  for (const auto& [a, b, c, d] : std::span(cells_.pairs).subspan(reach.pairs.first, reach.pairs.size())) {
     const Four shared = load(pull[2 * a]) + load(pull[2 * c]);
     const Four p = load(pull[2 * b]) + shared, q = load(pull[2 * d]) + shared;
     const Four origin = load(nodes[a].position), across = load(nodes[c].position) - origin;
@@ -103,7 +107,7 @@ void LayerGeometry::add_forces_of_pulls(Quad* records) const {
     add_to(records[2 * c], on_c);
     add_to(records[2 * d], on_d);
   }
-  for (const auto& [a, b, c] : cells_.singles) {
+  for (const auto& [a, b, c] : std::span(cells_.singles).subspan(reach.singles.first, reach.singles.size())) {
     const Four q = load(pull[2 * a]) + load(pull[2 * b]) + load(pull[2 * c]);
     const Four origin = load(nodes[a].position);
     const Four on_b = cross(load(nodes[c].position) - origin, q), on_c = cross(q, load(nodes[b].position) - origin);

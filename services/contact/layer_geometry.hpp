@@ -52,11 +52,13 @@ class LayerGeometry {
   const Scalars& mass() const { return mass_; }                              ///< lumped [n_nodes] t
   NodalVectors positions() const;                                            ///< [3 x n_nodes] mm
 
+  /// Triangles around the nodes of a range.
+  Cells::Reach find_reach(const Span& nodes) const { return cells_.find_reach(nodes); }
   /// Nodal forces of an energy that depends on the normals. `records` [2 x n_nodes] has in 2 i the force on node i,
   /// which is added to, and in 2 i + 1 the pull on its normal, minus the derivative of the energy by it, mJ, which is
-  /// overwritten. What is added sums up to zero.
+  /// overwritten. What is added sums up to zero. Only the nodes and triangles within `reach` are looked at.
   /// @pre the last move_to() was to the positions of that energy
-  void add_forces_of_pulls(Quad* records) const;
+  void add_forces_of_pulls(Quad* records, const Cells::Reach& reach) const;
 
  private:
   const mechanics::TriangleMesh* mesh_ = nullptr;

@@ -47,8 +47,8 @@ void LayerInterface::update(double dt, const BlockRunner& run) {
   const bool acts = std::find(touches_.begin(), touches_.end(), 1) != touches_.end();
   double work[2] = {};  // on the lower and on the upper layer
   const auto finish = [&](Eigen::Index side) {
-    FaceForces& face = side == 0 ? on_lower_ : on_upper_;
-    work[side] = acts ? face.finish() : face.finish_without_forces();
+    const Span all{0, side == 0 ? lower_.n_nodes() : upper_.n_nodes()};
+    work[side] = (side == 0 ? on_lower_ : on_upper_).finish(acts ? all : Span{});
   };
   run(2, std::ref(finish));
   energies_.work += work[0] + work[1];

@@ -22,7 +22,7 @@ void LayerInterface::update_plainly(double dt) {
   on_upper_.clear_records();
   energies_.stored = 0;
   for (Eigen::Index i = 0; i < points_.size(); ++i) update_point(i, dt);
-  energies_.work += on_lower_.finish() + on_upper_.finish();
+  energies_.work += on_lower_.finish({0, lower_.n_nodes()}) + on_upper_.finish({0, upper_.n_nodes()});
 }
 
 void LayerInterface::update_point(Eigen::Index i, double dt) {

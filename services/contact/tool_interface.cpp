@@ -38,22 +38,24 @@ void ToolInterface::update(double dt, const BlockRunner& run) {
   for_each_block(run, points_.size(), [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
     block_sums_[static_cast<std::size_t>(block)] = kernels_.advance(shape, rows, begin, end);
   });
-  bool touches = false;
+  Span acting;
   old_tool_force_ = tool_.force;
   tool_.force.setZero();
   tool_.moment.setZero();
   energies_.stored = 0;
-  for (const ToolSums& sums : block_sums_) {
-    touches = touches || sums.touches;
+  for (std::size_t b = 0; b < block_sums_.size(); ++b) {
+    const ToolSums& sums = block_sums_[b];
+    const auto begin = static_cast<Eigen::Index>(b) * kBlockSize;
+    if (sums.touches) acting = join(acting, {begin, std::min(begin + kBlockSize, points_.size())});
     energies_.add(sums.energies);
     tool_.force -= Vector3(sums.force[0], sums.force[1], sums.force[2]);
     tool_.moment -= Vector3(sums.moment[0], sums.moment[1], sums.moment[2]);
   }
-  finish(touches);
+  finish(acting);
 }
 
-void ToolInterface::finish(bool touches) {
-  energies_.work += touches ? on_layer_.finish() : on_layer_.finish_without_forces();
+void ToolInterface::finish(const Span& acting) {
+  energies_.work += on_layer_.finish(acting);
   energies_.work += 0.5 * (old_tool_force_ + tool_.force).z() * tool_.increment;
 }
 
@@ -64,7 +66,6 @@ void ToolInterface::update_plainly(double dt) {
   tool_.moment.setZero();
   energies_.stored = 0;
   const Vector3 tool_increment(0, 0, tool_.increment);
-  bool touches = false;
   for (Eigen::Index i = 0; i < points_.size(); ++i) {
     const Vector3 x = layer_.position(i), n = layer_.normal(i);
     const Distance d = tool_.shape->evaluate(x - Vector3(0, 0, tool_.z));
@@ -85,9 +86,8 @@ void ToolInterface::update_plainly(double dt) {
     on_layer_.records()[2 * i + 1] = {pull.x(), pull.y(), pull.z(), 0};
     tool_.force -= total;
     tool_.moment -= x.cross(total) + n.cross(pull);
-    touches = true;
   }
-  finish(touches);
+  finish({0, points_.size()});
 }
 
 void ToolInterface::add_rates_to(Rates& rates) const {

@@ -46,7 +46,7 @@ class ToolInterface {
 
  private:
   bool is_near(Eigen::Index i) const { return points_.gap(i) < near_; }
-  void finish(bool touches);
+  void finish(const Span& acting);
 
   InterfaceLaw law_;
   const ToolKernels& kernels_;
