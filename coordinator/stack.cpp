@@ -1,5 +1,7 @@
 #include "coordinator/stack.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +9,7 @@
 #include "coordinator/coordinator.hpp"
 #include "coordinator/fastest_mode.hpp"
 #include "coordinator/tools.hpp"
+#include "mechanics/failure.hpp"
 #include "solve/layer_mechanics.hpp"
 
 namespace interply::coordinator {
@@ -156,12 +159,12 @@ bool Stack::can_answer(int i) const {
 void Stack::answer(int i, mechanics::NodalVectors& force) {
   const auto below = static_cast<std::size_t>(i) - 1, above = static_cast<std::size_t>(i);
   const mechanics::NodalVectors& from_below = i == 0 ? die_->force_on_layer() : between_[below]->force_on_upper();
-  if (i < n_layers() - 1) {
+  if (i < n_layers() - 1)
     force = from_below + between_[above]->force_on_lower();
-  } else {
+  else if (punch_)
+    force = from_below + blank_holder_->force_on_layer() + punch_->force_on_layer();
+  else
     force = from_below + blank_holder_->force_on_layer();
-    if (punch_) force += punch_->force_on_layer();
-  }
   layers_[above].is_answered = true;
 }
 
@@ -196,8 +199,12 @@ Votes Stack::collect_votes() const {
   for (std::size_t i = 0; i < n; ++i) chain.own[i] = within[i].find_largest();
   Votes votes{.contact = find_fastest_mode(chain).increment};
   for (std::size_t i = 0; i < n; ++i) {
-    votes.layers.push_back(layers_[i].vote);
-    chain.own[i].stiffness += 4 / (layers_[i].vote * layers_[i].vote);
+    const double vote = layers_[i].vote;
+    if (!(vote > 0))
+      throw mechanics::Divergence(fmt::format("layer {}: its stable increment is {} s; check the tangent of its law",
+                                              scene_.layers[i].name, vote));
+    votes.layers.push_back(vote);
+    chain.own[i].stiffness += 4 / (vote * vote);
   }
   const FastestMode mode = find_fastest_mode(chain);
   votes.stack = mode.increment;

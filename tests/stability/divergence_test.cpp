@@ -76,6 +76,26 @@ TEST(Divergence, NaNInALayerWithoutElementsStopsTheRunByItsEnergy) {
   EXPECT_THAT(run.outcome.message, AllOf(HasSubstr("ply_2"), Not(HasSubstr("midsurfaces"))));
 }
 
+/// A layer whose law has no tangent any more.
+class WithoutIncrement : public test::PointMasses {
+ public:
+  using PointMasses::PointMasses;
+  double compute_stable_increment(const mechanics::NodalVectors&) override {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+};
+
+TEST(Divergence, IncrementThatIsNoNumberStopsTheRun) {
+  const auto make = [](const scene::Scene&, int layer,
+                       const mechanics::TriangleMesh& mesh) -> std::unique_ptr<solve::LayerMechanics> {
+    if (layer == 1) return std::make_unique<WithoutIncrement>(mesh.n_nodes());
+    return std::make_unique<test::PointMasses>(mesh.n_nodes());
+  };
+  const auto run = test::run_in_process(test::read_test_scene("flat_stack.yaml"), {.factory = make});
+  EXPECT_EQ(run.outcome.exit_code, 3);
+  EXPECT_THAT(run.outcome.message, HasSubstr("layer ply_1: its stable increment is nan s"));
+}
+
 /// 2 % of a thickness at 0.03 MPa are 133 % at the 2 MPa of the blank holder.
 TEST(Divergence, AfterContactThatWasTooSoftSaysSo) {
   const scene::Scene scene = test::read_test_scene(
