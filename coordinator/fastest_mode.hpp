@@ -30,10 +30,11 @@ struct FastestMode {
 ///
 ///   dt^2 k + 2 dt c <= 4.                                                                                     (D1)
 ///
-/// k and c are at most the largest eigenvalues of dt^2 K + 2 dt C, and these at most that of the matrix of the norms of
-/// its blocks: of block ij of M^-1/2 K M^-1/2 at most sqrt(up_i down_i). For one oscillator with damping zeta (D1) is
-/// dt <= (2/omega)(sqrt(1 + zeta^2) - zeta); the fastest mode of a stack has a larger fraction of critical damping than
-/// a pair.
+/// The left side is at most the largest eigenvalue of M^-1/2 (dt^2 K + 2 dt C) M^-1/2, and this at most that of the
+/// small matrix of the norms of its blocks. The square of the norm of block ij of M^-1/2 K M^-1/2 is the largest
+/// eigenvalue of M_i^-1 K_ij M_j^-1 K_ji, so at most up_i down_i for j = i + 1. For one oscillator with damping zeta
+/// (D1) is dt <= (2/omega)(sqrt(1 + zeta^2) - zeta); the fastest mode of a stack has a larger fraction of critical
+/// damping than a pair.
 FastestMode find_fastest_mode(const Chain& chain);
 
 }  // namespace interply::coordinator

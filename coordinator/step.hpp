@@ -2,7 +2,6 @@
 /// forces leave as soon as both faces are done, books and votes close the step.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +35,8 @@ class Forming {
   double residual() const { return residual_; }              ///< residual / scale, the same step
   double largest_residual() const { return largest_residual_; }
   int lost() const { return lost_; }
-  /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty: nowhere.
+  /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty:
+  /// nowhere.
   const std::string& too_soft() const { return too_soft_; }
   double stroke() const { return travel_; }
   double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }

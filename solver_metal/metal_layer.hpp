@@ -46,7 +46,7 @@ class MetalLayer : public solve::LayerMechanics {
   SheetAdvance advance_own(Eigen::Index begin, Eigen::Index end);
   /// Stress, thickness and resultants of one of its elements; adds its stress work to `work`.
   Resultants advance_own_element(Eigen::Index e, const ElementShape& now, double& work);
-  /// @throws mechanics::Divergence if a block reported an element
+  /// @throws mechanics::Divergence  says why element `e` cannot go on
   [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 
   std::string name_;

@@ -24,8 +24,8 @@ inline void set(Quad& q, const Vector3& a) {
 /// deformed midsurface, pointing up for a flat blank. Nodes of the symmetry plane y = 0 get n_y = 0, as their mirrored
 /// other half would give.
 ///
-/// The loops over the triangles add to their corners: every sum has the order of the mesh. What a triangle gives is not
-/// kept, for memory is what these loops wait for.
+/// The loops over the triangles add to their corners: every sum has the order of the cells. What a triangle gives is
+/// not kept, for memory is what these loops wait for.
 class LayerGeometry {
  public:
   using Index = Eigen::Index;
