@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coordinator/coordinator.hpp"
+#include "paths.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
 #include "support/memory_sink.hpp"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "paths.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
 #include "support/own_tools.hpp"

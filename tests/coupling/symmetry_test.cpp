@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 
+#include "paths.hpp"
 #include "support/flat_meshes.hpp"
 #include "support/in_process_run.hpp"
 

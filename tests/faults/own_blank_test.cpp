@@ -4,6 +4,7 @@
 #include <regex>
 
 #include "faults/programs.hpp"
+#include "paths.hpp"
 
 namespace interply::faults {
 namespace {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "launch/process.hpp"
+#include "paths.hpp"
 #include "record/reader.hpp"
 
 namespace interply::faults {

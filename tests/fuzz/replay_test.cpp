@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "paths.hpp"
+
 extern "C" {
 int fuzz_scene(const std::uint8_t* data, std::size_t size);
 int fuzz_law(const std::uint8_t* data, std::size_t size);

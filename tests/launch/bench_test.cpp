@@ -19,6 +19,7 @@
 #include "launch/bench_tools.hpp"
 #include "launch/command_line.hpp"
 #include "launch/run.hpp"
+#include "paths.hpp"
 
 namespace interply::launch {
 namespace {

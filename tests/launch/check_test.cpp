@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include "paths.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::launch {

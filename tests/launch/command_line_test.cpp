@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "launch/run.hpp"
+#include "paths.hpp"
 
 namespace interply::launch {
 namespace {

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "observe/dds.hpp"
+#include "paths.hpp"
 #include "record/reader.hpp"
 #include "sample_run.hpp"
 

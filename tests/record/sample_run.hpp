@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "observe/frames.hpp"
+#include "paths.hpp"
 
 namespace interply::test {
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <random>
 
+#include "paths.hpp"
 #include "scene.pb.h"
 #include "scene/scene_test_support.hpp"
 

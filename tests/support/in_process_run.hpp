@@ -11,6 +11,7 @@
 #include "coordinator/coordinator.hpp"
 #include "exchange/in_process.hpp"
 #include "launch/layer_factories.hpp"
+#include "paths.hpp"
 #include "scene/read_scene.hpp"
 #include "support/memory_sink.hpp"
 

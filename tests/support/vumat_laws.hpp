@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "paths.hpp"
 #include "scene/scene.hpp"
 
 namespace interply::test {
