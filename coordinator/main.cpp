@@ -10,18 +10,31 @@
 #include "coordinator/tools.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
+#include "observe/tee_sink.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
+#include "solve/link_sink.hpp"
 
 namespace {
 
 using namespace interply;
 
+/// Bytes of a frame that no solver exceeds: positions, fields, names.
+std::int64_t limit_sample(const scene::Layer& layer, const mechanics::TriangleMesh& mesh) {
+  constexpr std::int64_t kFieldComponents = 64, kNames = 1 << 16;
+  const auto* vumat = std::get_if<scene::VumatLaw>(&layer.law);
+  const std::int64_t components = kFieldComponents + (vumat ? vumat->state_variables : 0);
+  return 8 * components * std::max(mesh.n_nodes(), mesh.n_elements()) + 256 * components + kNames;
+}
+
 std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
   std::vector<exchange::Expected> expected;
-  for (std::size_t i = 0; i < scene.layers.size(); ++i)
-    expected.push_back(
-        {.layer = scene.layers[i].name, .n_nodes = solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const mechanics::TriangleMesh mesh = solve::make_layer_mesh(scene, static_cast<int>(i));
+    expected.push_back({.layer = scene.layers[i].name,
+                        .n_nodes = mesh.n_nodes(),
+                        .largest_sample = limit_sample(scene.layers[i], mesh)});
+  }
   return expected;
 }
 
@@ -49,33 +62,37 @@ void block_signals() {
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Hosts contact, tools and time of one run and waits for its solvers.\n"
+      "Hosts contact, tools and time of one run and waits for its solvers and its recorder.\n"
       "Example: interply-coordinator --bind tcp://127.0.0.1:7100 --scene scene.yaml --run test"};
   std::string address, scene_file, run_name = "run";
   std::vector<std::string> overrides;
+  bool no_record = false;
   app.add_option(
          "--bind", address,
          "address to listen on: shm://PATH (one host, the fastest), ipc://PATH or tcp://HOST:PORT (port * chooses one)")
       ->required();
   app.add_option("--scene", scene_file, "scene file")->required();
   app.add_option("--set", overrides, "path=value that overrides a key of the scene");
-  app.add_option("--run", run_name, "unique name of this run; recorders and monitors use it");
+  app.add_option("--run", run_name, "unique name of this run; monitors use it");
+  app.add_flag("--no-record", no_record, "do not wait for a recorder (nor without frames: record.frames=0)");
   CLI11_PARSE(app, argc, argv);
+  std::signal(SIGPIPE, SIG_IGN);
   block_signals();
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
     coordinator::check_tools(scene);
-    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene));
+    const bool keeps_record = scene.record.frames > 0 && !no_record;
+    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene),
+                                            exchange::ArraysBy::Mailbox, keeps_record);
     watch_signals(*link);
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
-    const auto sink = observe::make_run_sink(scene.record.frames > 0,
-                                             {.network = scene.observe.network,
-                                              .multicast = scene.observe.multicast,
-                                              .domain = scene.observe.domain,
-                                              .run = run_name},
-                                             scene.exchange.startup_deadline);
+    observe::TeeSink sink(std::make_unique<solve::LinkSink<exchange::CoordinatorLink>>(*link),
+                          observe::make_watch_sink(scene.record.frames > 0, {.network = scene.observe.network,
+                                                                             .multicast = scene.observe.multicast,
+                                                                             .domain = scene.observe.domain,
+                                                                             .run = run_name}));
     const coordinator::Outcome outcome = coordinator::run(
-        scene, run_name, *link, *sink,
+        scene, run_name, *link, sink,
         [](const coordinator::Progress& p) {
           std::cout << "@progress " << coordinator::format_progress(p) << std::endl;
         },

@@ -114,6 +114,8 @@ ZeromqSocket::~ZeromqSocket() = default;
 
 void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::sockopt::maxmsgsize, bytes); }
 
+void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
+
 void ZeromqSocket::connect(const std::string& address) {
   if (zmq_connect(parts_->socket.handle(), to_zeromq(address).c_str()) != 0)
     throw std::runtime_error(fmt::format("cannot connect to {}: {}; give shm://path, ipc://path or tcp://host:port",
@@ -146,6 +148,12 @@ bool ZeromqSocket::send(std::string_view identity, Bytes frame) {
   constexpr int kFirst = ZMQ_SNDMORE | ZMQ_DONTWAIT;
   return retry([&] { return zmq_send(socket, identity.data(), identity.size(), kFirst); }) &&
          retry([&] { return zmq_send(socket, frame.data(), frame.size(), ZMQ_DONTWAIT); });
+}
+
+bool ZeromqSocket::relay(std::string_view identity) {
+  void* const socket = parts_->socket.handle();
+  return retry([&] { return zmq_send(socket, identity.data(), identity.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT); }) &&
+         retry([&] { return zmq_msg_send(parts_->frame.handle(), socket, ZMQ_DONTWAIT); });
 }
 
 bool ZeromqSocket::receive() {

@@ -33,6 +33,8 @@ class ZeromqSocket {
 
   /// Larger messages end the connection they come from, bytes. Before bind().
   void limit_messages(std::int64_t bytes);
+  /// Messages to one connection that may wait to leave. Before bind().
+  void set_queue(int messages);
   /// @throws std::runtime_error with the address
   void connect(const std::string& address);
   void bind(const std::string& address);
@@ -43,6 +45,9 @@ class ZeromqSocket {
   bool send(Bytes frame);
   /// Router; never waits. False: that connection is gone, or it takes nothing any more.
   bool send(std::string_view identity, Bytes frame);
+
+  /// Router; sends the message that receive() took on to another connection, without a copy. It is gone then. As send().
+  bool relay(std::string_view identity);
 
   /// Takes the next message if one is here. What the next four describe is valid until the next call.
   bool receive();

@@ -31,22 +31,11 @@ class SocketFolder {
   fs::path path_;
 };
 
-std::vector<Participant> list_others(const scene::Scene& scene, const fs::path& out, const std::string& run_name,
-                                     const std::string& bound) {
+std::vector<Participant> list_others(const scene::Scene& scene, const fs::path& out, const std::string& bound) {
   const fs::path programs = find_program_folder();
   std::vector<Participant> others;
   if (scene.record.frames > 0) {
-    std::vector<std::string> command{programs / "interply-recorder",
-                                     "--run",
-                                     run_name,
-                                     "--out",
-                                     out,
-                                     "--network",
-                                     scene.observe.network,
-                                     "--domain",
-                                     std::to_string(scene.observe.domain)};
-    if (scene.observe.multicast) command.push_back("--multicast");
-    others.push_back({"recorder", command});
+    others.push_back({"recorder", {programs / "interply-recorder", "--connect", bound, "--out", out}});
   }
   for (const auto& layer : scene.layers) {
     const auto* program = layer.kind() == scene::Kind::Fabric ? "interply-solver-fabric" : "interply-solver-metal";
@@ -65,7 +54,7 @@ RunResult run_federated(const scene::Scene& scene, const RunFolder& folder, cons
   plan.coordinator = {"coordinator",
                       {find_program_folder() / "interply-coordinator", "--bind",
                        is_private ? socket.address(address) : address, "--scene", folder.scene(), "--run", run_name}};
-  plan.others = [&](const std::string& bound) { return list_others(scene, folder.out, run_name, bound); };
+  plan.others = [&](const std::string& bound) { return list_others(scene, folder.out, bound); };
   plan.logs = folder.logs();
   plan.startup_deadline = scene.exchange.startup_deadline;
   Federation federation(std::move(plan), terminal);

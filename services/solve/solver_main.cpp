@@ -8,7 +8,9 @@
 
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
+#include "observe/tee_sink.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/link_sink.hpp"
 #include "solve/session.hpp"
 
 namespace interply::solve {
@@ -43,13 +45,12 @@ void integrate_layer(const std::string& address, const std::string& layer_name, 
         " layer; start interply-solver-" +
         name_of(kind == scene::Kind::Fabric ? scene::Kind::Metal : scene::Kind::Fabric) + " for it");
   std::cout << "joined " << address << " as " << layer_name << " of run " << welcome.run << std::endl;
-  const auto sink = observe::make_run_sink(scene.record.frames > 0,
-                                           {.network = scene.observe.network,
-                                            .multicast = scene.observe.multicast,
-                                            .domain = scene.observe.domain,
-                                            .run = welcome.run},
-                                           scene.exchange.startup_deadline);
-  run_session(scene, layer, make_layer, *link, *sink);
+  observe::TeeSink sink(std::make_unique<LinkSink<exchange::SolverLink>>(*link, layer_name),
+                        observe::make_watch_sink(scene.record.frames > 0, {.network = scene.observe.network,
+                                                                           .multicast = scene.observe.multicast,
+                                                                           .domain = scene.observe.domain,
+                                                                           .run = welcome.run}));
+  run_session(scene, layer, make_layer, *link, sink);
 }
 
 }  // namespace
@@ -66,6 +67,7 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
                  "scene file that must equal the coordinator's (default: take the coordinator's)");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
+  std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);  // an interrupt is the coordinator's to handle: it stops every participant
   try {
     integrate_layer(address, layer, scene_file, deadline, kind, make_layer);
