@@ -10,12 +10,13 @@
 #include <iterator>
 #include <numbers>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "geometry/read_file.hpp"
+#include "geometry/text_lines.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
 #include "solve/vumat.hpp"
@@ -38,17 +39,19 @@ struct Row {
   std::vector<double> values;
 };
 
-std::string_view trim(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
+std::string_view open_csv(std::string_view content, const std::string& origin) {
+  try {
+    return geometry::open_text(content, origin);
+  } catch (const geometry::Unreadable& error) {
+    throw PathError(error.what());
+  }
 }
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> cells;
   for (;;) {
     const auto comma = line.find(',');
-    cells.push_back(trim(line.substr(0, comma)));
+    cells.push_back(geometry::trim(line.substr(0, comma)));
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
   }
@@ -81,14 +84,12 @@ double read_number(const std::string& origin, int line, const std::string& colum
 
 /// All rows of a CSV text with exactly the columns `wanted`; empty lines are passed over.
 std::vector<Row> parse_path(const std::string& csv, const std::string& origin, const std::vector<std::string>& wanted) {
-  std::istringstream in(csv);
   std::vector<std::size_t> columns;
   std::vector<Row> rows;
-  std::string text;
-  for (int line = 1; std::getline(in, text); ++line) {
-    std::string_view content = text;
-    if (line == 1 && content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);  // byte order mark
-    content = trim(content);
+  geometry::Lines lines(open_csv(csv, origin), origin);
+  while (lines.next()) {
+    const int line = static_cast<int>(lines.number());
+    const std::string_view content = lines.line();
     if (content.empty()) continue;
     if (columns.empty()) {
       columns = find_columns(origin, line, content, wanted);
