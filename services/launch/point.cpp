@@ -20,6 +20,7 @@
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
 #include "solve/vumat.hpp"
+#include "solve/vumat_probe.hpp"
 #include "solver_fabric/material_point.hpp"
 #include "solver_metal/material_point.hpp"
 
@@ -27,6 +28,7 @@ namespace interply::launch {
 
 namespace {
 
+constexpr double kPointDensity = 1e-9;    ///< t/mm3, of a point with a law of the user's own
 constexpr double kLargestTrueStrain = 5;  ///< a bar drawn to 150 times its length; beyond it a row is a slip of the pen
 
 [[noreturn]] void refuse(const std::string& origin, int line, const std::string& why) {
@@ -179,7 +181,7 @@ std::string follow(const scene::VumatLaw& law, const std::string& csv, const std
   constexpr double kLargestStep = 1e-3;
   const std::vector<Row> rows = parse_path(csv, origin, {"F11", "F12", "F21", "F22"});
   const std::vector<mechanics::Matrix2> path = read_gradients(rows, origin);
-  solve::VumatPoints point(law, "point", 1e-9, 1);
+  solve::VumatPoints point(law, "point", kPointDensity, 1);
   std::string text = "F11,F12,F21,F22,F33,sigma11_MPa,sigma22_MPa,sigma12_MPa";
   for (int i = 0; i < point.n_state(); ++i) text += fmt::format(",state_{}", i + 1);
   text += '\n';
@@ -222,12 +224,17 @@ int run_point(const std::filesystem::path& law, const std::filesystem::path& pat
               std::ostream& err) {
   try {
     const scene::Law read = scene::read_law(law);
+    if (const auto* own = std::get_if<scene::VumatLaw>(&read))
+      for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity)) err << "warning: " << warning << '\n';
     out << follow_path(read, read_text(path_csv), path_csv.string());
     return 0;
   } catch (const scene::SceneError& e) {
     err << e.what() << '\n';
   } catch (const PathError& e) {
     err << e.what() << '\n';
+  } catch (const mechanics::Divergence& e) {
+    err << e.what() << '\n';
+    return 3;
   }
   return 2;
 }
