@@ -97,10 +97,11 @@ int main(int argc, char** argv) {
           std::cout << "@progress " << coordinator::format_progress(p) << std::endl;
         },
         [](const std::string& line) { std::cout << line << std::endl; });
-    if (!outcome.message.empty()) std::cerr << outcome.message << std::endl;
     std::istringstream summary(outcome.summary);
     for (std::string line; std::getline(summary, line);) std::cout << "@summary " << line << '\n';
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
+    std::cout.flush();
+    if (!outcome.message.empty()) std::cerr << outcome.message << std::endl;
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {
     std::cerr << e.what() << std::endl;

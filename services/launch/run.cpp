@@ -65,8 +65,8 @@ int run_command(const RunOptions& options) {
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
-  check_laws(scene);
-  std::vector<std::string> warnings = scene::find_warnings(scene);
+  std::vector<std::string> warnings = check_laws(scene);
+  for (const std::string& warning : scene::find_warnings(scene)) warnings.push_back(warning);
   for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);
   Terminal terminal(stdout, options.quiet);

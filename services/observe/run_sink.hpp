@@ -20,7 +20,7 @@ class NullSink : public Sink {
   bool flush(double) override { return true; }
 };
 
-/// For whoever watches a run: a DdsSink, or a NullSink if nothing is published.
+/// For whoever watches a run: a DdsSink, or a NullSink if nothing is published or (one line in the log) nothing can be.
 std::unique_ptr<Sink> make_watch_sink(bool published, const DdsOptions& options);
 
 }  // namespace interply::observe
