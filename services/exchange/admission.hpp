@@ -28,7 +28,7 @@ class Admission {
   /// Most nodes of any layer.
   std::int64_t largest_layer() const;
 
-  /// Version, layer name, scene digest (0: it takes ours), first of its name.
+  /// Version, layer name, kind of solver, scene digest (0: it takes ours), first of its name.
   /// @returns the seat, or the refusal
   struct Verdict {
     int who = -1;

@@ -30,6 +30,7 @@ struct Join {
   std::string layer;
   int pid = 0;
   std::string host;
+  std::string kind;  ///< of layers that this solver computes: "fabric" or "metal"
 };
 
 /// Coordinator -> solver, the answer to Join. A solver started by hand needs nothing else: address and layer name
@@ -129,6 +130,7 @@ struct Event {
 struct Expected {
   std::string layer;
   std::int64_t n_nodes = 0;  ///< every Motion of this layer must hold so many nodes
+  std::string kind{};        ///< of the layer, as in Join
 };
 
 /// The coordinator's end. Checks every message at the edge; a stranger, a duplicate, a wrong version, digest or layer

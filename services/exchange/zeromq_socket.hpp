@@ -33,7 +33,10 @@ class ZeromqSocket {
 
   /// Larger messages end the connection they come from, bytes. Before bind().
   void limit_messages(std::int64_t bytes);
-  /// @throws std::runtime_error with the address
+  /// Whoever says nothing for so long has lost its connection, at both ends: a cut link, a host that is gone, a process
+  /// that is stopped. Whoever only computes is heard. Before bind(), s.
+  void end_silence(double seconds);
+  /// @throws BadAddress, std::runtime_error
   void connect(const std::string& address);
   void bind(const std::string& address);
   /// What bind() took.
