@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
 #include "solve/vumat.hpp"
@@ -29,7 +30,7 @@ namespace {
 constexpr double kLargestTrueStrain = 5;  ///< a bar drawn to 150 times its length; beyond it a row is a slip of the pen
 
 [[noreturn]] void refuse(const std::string& origin, int line, const std::string& why) {
-  throw PathError(scene::to_line(fmt::format("{}:{}: {}", origin, line, why)));
+  throw PathError(process::to_line(fmt::format("{}:{}: {}", origin, line, why)));
 }
 
 /// One row of a path: its values in the order of the wanted columns, and where it stands.
