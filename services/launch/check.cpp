@@ -129,6 +129,7 @@ void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers
 
 int check_command(const CheckOptions& options, std::ostream& out) {
   const scene::Scene scene = scene::read_scene(options.scene, options.overrides);
+  const auto law_warnings = check_laws(scene);
   const auto tool_warnings = coordinator::check_tools(scene);
   std::string occupied;
   try {
@@ -151,6 +152,7 @@ int check_command(const CheckOptions& options, std::ostream& out) {
   print_cost(scene, layers, votes, read_resident_bytes() - bytes_before, out);
   for (const auto& warning : scene::find_warnings(scene)) out << "warning     " << warning << '\n';
   if (!occupied.empty()) out << "warning     exchange.address: " << occupied << '\n';
+  for (const auto& warning : law_warnings) out << "warning     " << warning << '\n';
   for (const auto& warning : tool_warnings) out << "warning     " << warning << '\n';
   return kDone;
 }

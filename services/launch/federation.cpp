@@ -27,6 +27,12 @@ bool is_orderly(const Child& child) {
   return code == kDone || code == kDiverged || code == kLost || code == kCancelled;
 }
 
+std::string quote_log(const Child& child) {
+  std::string text = child.last_lines().empty() ? "; its log is empty" : "; the last lines of its log:";
+  for (const auto& line : child.last_lines()) text += "\n    " + line;
+  return text;
+}
+
 /// Text after `prefix`, or nothing.
 std::optional<std::string> after_prefix(const std::string& line, const std::string& prefix) {
   if (!line.starts_with(prefix)) return std::nullopt;
@@ -146,6 +152,7 @@ void Federation::reap_ended() {
     if (!p.child->reap()) continue;
     p.child->read_output([&](const auto& line) { handle_line(p, line); });
     ended.push_back(&p);
+    if (!is_coordinator(p) && !p.told_to_end && first_to_leave_ == nullptr) first_to_leave_ = p.child.get();
   }
   // A crash that made others leave in order comes first.
   std::stable_partition(ended.begin(), ended.end(), [](const auto* p) { return !is_orderly(*p->child); });
@@ -181,6 +188,10 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
     result_.message = "the mechanics diverged" + last;
   } else if (result_.exit_code == kLost) {
     result_.message = "a participant was lost" + last;
+    // however orderly it left: a law of the user's own may have ended it
+    if (first_to_leave_ && last.find(first_to_leave_->name()) != std::string::npos)
+      result_.message += fmt::format("\n{} (process {}) {}{}", first_to_leave_->name(), first_to_leave_->pid(),
+                                     first_to_leave_->describe_end(), quote_log(*first_to_leave_));
   } else if (result_.exit_code == kCancelled) {
     result_.message = "the run was cancelled";
   } else {
@@ -191,8 +202,7 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
 void Federation::report_lost(const Child& lost) {
   if (cause_ || result_.exit_code != kDone) return;
   cause_ = {kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()), "", ""};
-  cause_->message += lost.last_lines().empty() ? "; its log is empty" : "; the last lines of its log:";
-  for (const auto& line : lost.last_lines()) cause_->message += "\n    " + line;
+  cause_->message += quote_log(lost);
   terminal_.end_progress();
   terminal_.note(fmt::format("{} {}: stopping the others", lost.name(), lost.describe_end()));
   for (auto& p : processes_) {

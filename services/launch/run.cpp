@@ -11,6 +11,7 @@
 #include "coordinator/tools.hpp"
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
+#include "observe/dds.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
@@ -39,6 +40,16 @@ std::vector<fs::path> find_old_logs(const RunFolder& folder) {
 }  // namespace
 
 void check_addresses(const scene::Scene& scene, const std::string& address) {
+  if (scene.record.frames > 0) {
+    try {
+      observe::check_network({.network = scene.observe.network,
+                              .multicast = scene.observe.multicast,
+                              .domain = scene.observe.domain,
+                              .run = "run"});
+    } catch (const std::runtime_error& e) {
+      throw scene::SceneError(e.what());
+    }
+  }
   const std::string& chosen = address.empty() ? scene.exchange.address : address;
   if (chosen == "shm" || chosen == "ipc") return;
   try {
@@ -111,8 +122,8 @@ int run_command(const RunOptions& options) {
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
-  check_laws(scene);
-  std::vector<std::string> warnings = scene::find_warnings(scene);
+  std::vector<std::string> warnings = check_laws(scene);
+  for (const std::string& warning : scene::find_warnings(scene)) warnings.push_back(warning);
   for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
   check_addresses(scene, options.address);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);

@@ -115,7 +115,7 @@ void check_mesh_size(const Blank& blank, double mesh_size, const std::string& pa
 void check_blank(const Scene& scene, Report& report) {
   const Blank& blank = scene.blank;
   if (!blank.mesh) return check_mesh_size(blank, blank.mesh_size, "blank.mesh_size", report);
-  for (const char* key : {"length", "width", "mesh_size"})
+  for (const char* key : {"length", "width", "mesh_size", "diagonals"})
     if (report.is_given(join("blank", key)))
       report.add(join("blank", key), "and blank.mesh are both given; keep one of them");
 }

@@ -75,7 +75,7 @@ std::string suggest(const std::string& word, const std::vector<std::string>& nam
   });
   const std::size_t allowed = std::max<std::size_t>(2, nearest->size() / 3);
   const std::size_t distance = compute_distance(word, *nearest);
-  if (distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
+  if (distance > 0 && distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
   return "; known: " + enumerate(names);
 }
 

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 #include <sys/wait.h>
 
 #include <chrono>
@@ -227,15 +225,11 @@ TEST(Recorder, ThatHangsDoesNotStopTheRun) {
   DdsSink sink(options);
   ASSERT_TRUE(sink.wait_for_reader(30));
   recorder.send(SIGSTOP);
-  std::ostringstream log;
-  const auto previous = spdlog::default_logger();
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
   const SampleRun run(30, 200);
   const observe::LayerFrame frame = run.layer_frame(0, 0);  // 6.4 MB
+  const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) sink.put(frame);
-  spdlog::set_default_logger(previous);
-  EXPECT_THAT(log.str(), testing::HasSubstr("1 sample(s) of interply_layer_frame dropped so far"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
   EXPECT_FALSE(sink.flush(0.1));
 }
 
