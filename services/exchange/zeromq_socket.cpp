@@ -96,6 +96,8 @@ ZeromqSocket::~ZeromqSocket() = default;
 
 void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::sockopt::maxmsgsize, bytes); }
 
+void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
+
 void ZeromqSocket::end_silence(double seconds) {
   if (seconds > kLongestSilence) return;
   const int wait = std::max(100, static_cast<int>(1000 * seconds)), every = std::min(kHeartbeat, wait);
@@ -145,6 +147,12 @@ bool ZeromqSocket::send(std::string_view identity, Bytes frame) {
   constexpr int kFirst = ZMQ_SNDMORE | ZMQ_DONTWAIT;
   return retry([&] { return zmq_send(socket, identity.data(), identity.size(), kFirst); }) &&
          retry([&] { return zmq_send(socket, frame.data(), frame.size(), ZMQ_DONTWAIT); });
+}
+
+bool ZeromqSocket::relay(std::string_view identity) {
+  void* const socket = parts_->socket.handle();
+  return retry([&] { return zmq_send(socket, identity.data(), identity.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT); }) &&
+         retry([&] { return zmq_msg_send(parts_->frame.handle(), socket, ZMQ_DONTWAIT); });
 }
 
 bool ZeromqSocket::receive() {

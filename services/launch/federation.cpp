@@ -24,7 +24,7 @@ constexpr double kKillAfterTerminate = 0.6;
 bool is_orderly(const Child& child) {
   if (child.was_killed()) return false;
   const int code = child.exit_code();
-  return code == kDone || code == kDiverged || code == kLost || code == kCancelled;
+  return code == kDone || code == kFailed || code == kDiverged || code == kLost || code == kCancelled;
 }
 
 std::string quote_log(const Child& child) {
@@ -64,6 +64,8 @@ RunResult Federation::supervise() {
     stop_late();
   }
   RunResult result = cause_ ? *cause_ : result_;
+  result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
+  result.digest = result_.digest;
   for (const auto& p : processes_) result.cpu.push_back({p.child->name(), p.child->cpu_seconds()});
   return result;
 }
@@ -192,6 +194,8 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
     if (first_to_leave_ && last.find(first_to_leave_->name()) != std::string::npos)
       result_.message += fmt::format("\n{} (process {}) {}{}", first_to_leave_->name(), first_to_leave_->pid(),
                                      first_to_leave_->describe_end(), quote_log(*first_to_leave_));
+  } else if (result_.exit_code == kFailed) {
+    result_.message = "the run could not go on" + last;
   } else if (result_.exit_code == kCancelled) {
     result_.message = "the run was cancelled";
   } else {
@@ -201,18 +205,15 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
 
 void Federation::report_lost(const Child& lost) {
   if (cause_ || result_.exit_code != kDone) return;
-  cause_ = {kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()), "", ""};
+  const bool failed = !lost.was_killed() && lost.exit_code() == kFailed;
+  cause_ = {failed ? kFailed : kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()),
+            "", ""};
   cause_->message += quote_log(lost);
   terminal_.end_progress();
   terminal_.note(fmt::format("{} {}: stopping the others", lost.name(), lost.describe_end()));
   for (auto& p : processes_) {
     p.told_to_end = true;
     limit(p, p.child->name() == "recorder" ? kRecorderGraceAfterLoss : kGraceAfterLoss);
-  }
-  // Solvers are watched by the coordinator over their links; the recorder by nobody but us.
-  if (lost.name() == "recorder") {
-    processes_.front().child->send_signal(SIGTERM);
-    limit(processes_.front(), kRecorderGraceAfterLoss);
   }
 }
 

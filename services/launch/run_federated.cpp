@@ -16,22 +16,13 @@ std::string make_private_address(const std::string& carrier, const std::string& 
   return fmt::format("{}://@interply-{}-{:08x}{:08x}", carrier, run_name.substr(0, 60), random(), random());
 }
 
-std::vector<Participant> list_others(const scene::Scene& scene, const RunFolder& folder, const std::string& run_name,
-                                     const std::string& bound) {
+std::vector<Participant> list_others(const scene::Scene& scene, const RunFolder& folder, const std::string& bound) {
   const fs::path programs = find_program_folder();
   std::vector<Participant> others;
   if (scene.record.frames > 0) {
-    std::vector<std::string> command{programs / "interply-recorder",
-                                     "--run",
-                                     run_name,
-                                     "--out",
-                                     folder.out,
-                                     "--network",
-                                     scene.observe.network,
-                                     "--domain",
-                                     std::to_string(scene.observe.domain)};
-    if (scene.observe.multicast) command.push_back("--multicast");
-    others.push_back({"recorder", command, folder.lock.descriptor()});
+    others.push_back({"recorder",
+                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out},
+                      folder.lock.descriptor()});
   }
   for (const auto& layer : scene.layers) {
     const auto* program = layer.kind() == scene::Kind::Fabric ? "interply-solver-fabric" : "interply-solver-metal";
@@ -50,7 +41,7 @@ RunResult run_federated(const scene::Scene& scene, const RunFolder& folder, cons
                       {find_program_folder() / "interply-coordinator", "--bind",
                        is_private ? make_private_address(address, run_name) : address, "--scene", folder.scene(),
                        "--scene-digest", mechanics::to_hex(scene.digest), "--run", run_name}};
-  plan.others = [&](const std::string& bound) { return list_others(scene, folder, run_name, bound); };
+  plan.others = [&](const std::string& bound) { return list_others(scene, folder, bound); };
   plan.logs = folder.logs();
   plan.startup_deadline = scene.exchange.startup_deadline;
   Federation federation(std::move(plan), terminal);

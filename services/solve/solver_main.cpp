@@ -11,9 +11,11 @@
 #include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
+#include "observe/tee_sink.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/link_sink.hpp"
 #include "solve/session.hpp"
 
 namespace interply::solve {
@@ -69,14 +71,13 @@ int integrate_layer(const std::string& address, const std::string& layer_name, c
   const scene::Scene scene = scene::parse_scene(welcome.scene_text, "scene of the coordinator");
   const int layer = find_layer(scene, layer_name);
   std::cout << "joined " << address << " as " << layer_name << " of run " << welcome.run << std::endl;
-  const auto sink = observe::make_run_sink(scene.record.frames > 0,
-                                           {.network = scene.observe.network,
-                                            .multicast = scene.observe.multicast,
-                                            .domain = scene.observe.domain,
-                                            .run = welcome.run},
-                                           scene.exchange.startup_deadline);
+  observe::TeeSink sink(std::make_unique<LinkSink<exchange::SolverLink>>(*link, layer_name),
+                        observe::make_watch_sink(scene.record.frames > 0, {.network = scene.observe.network,
+                                                                           .multicast = scene.observe.multicast,
+                                                                           .domain = scene.observe.domain,
+                                                                           .run = welcome.run}));
   const int exit_code = say_how_it_ends([&] {
-    run_session(scene, layer, make_layer, *link, *sink);
+    run_session(scene, layer, make_layer, *link, sink);
     return 0;
   });
   process::end_within(process::kGrace, exit_code);  // whatever closing the links waits for

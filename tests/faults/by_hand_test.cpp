@@ -39,7 +39,7 @@ class ByHand : public testing::Test {
 
 TEST_F(ByHand, ARunNeedsAddressAndLayerOnly) {
   start_coordinator({"--set", "motion.forming_time=0.2e-3"});
-  Program recorder("interply-recorder", {"--run", run_, "--out", folder_.path()}, folder_.path());
+  Program recorder("interply-recorder", {"--connect", address_, "--out", folder_.path()}, folder_.path());
   std::vector<std::unique_ptr<Program>> solvers;
   for (const auto* ply : {"ply_3", "ply_1", "ply_2"}) solvers.push_back(start_solver("fabric", ply));
   for (const auto* sheet : {"sheet_upper", "sheet_lower"}) solvers.push_back(start_solver("metal", sheet));

@@ -127,11 +127,11 @@ TEST_F(FederationOfScripts, ALostCoordinatorIsNamed) {
   EXPECT_TRUE(is_gone("ply_1"));
 }
 
-TEST_F(FederationOfScripts, ALostRecorderStopsTheCoordinator) {
+TEST_F(FederationOfScripts, ARecorderThatFailsIsNamedWithItsReasonEvenIfTheCoordinatorSaysNothing) {
   const auto result =
       supervise("trap 'echo stopping; exit 5' TERM; echo bound x; while :; do sleep 0.1; done",
                 {shell("ply_1", remember("ply_1") + "exec sleep 600"), shell("recorder", "echo disk full; exit 1")});
-  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_EQ(result.exit_code, kFailed);
   EXPECT_THAT(result.message, HasSubstr("recorder"));
   EXPECT_THAT(result.message, HasSubstr("disk full"));
   EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("stopping"));
