@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "process/words.hpp"
+
 namespace interply::exchange {
 
 namespace {
@@ -29,12 +31,7 @@ std::size_t compute_distance(const std::string& a, const std::string& b) {
 }
 
 /// What a peer wrote, fit for a log line: short and printable.
-std::string quote(const std::string& text) {
-  std::string out = text.substr(0, 64);
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return '"' + out + '"';
-}
+std::string quote(const std::string& text) { return '"' + process::to_line(text, 64) + '"'; }
 
 }  // namespace
 
@@ -88,6 +85,9 @@ Admission::Verdict Admission::judge(const Join& join) {
   });
   if (!join.records && found == layers_end)
     return refuse(fmt::format("the scene has no such layer, the nearest is {}", quote(find_nearest(join.layer))));
+  if (const std::string& kind = found->expected.kind; !join.records && join.kind != kind)
+    return refuse(fmt::format("it is a {} layer and this solver computes {}: start interply-solver-{} for it", kind,
+                              quote(join.kind), kind));
   if (join.scene_digest != 0 && join.scene_digest != scene_digest_)
     return refuse(
         fmt::format("its scene has digest {:016x}, the coordinator's {:016x}: give all processes the same "
@@ -97,6 +97,7 @@ Admission::Verdict Admission::judge(const Join& join) {
   if (!closed_.empty()) return refuse(fmt::format("the run is stopping: {}", closed_));
   found->join = join;
   found->join.layer = found->expected.layer;
+  found->join.host = process::to_line(join.host, 64);
   found->stage = Stage::Active;
   return {static_cast<int>(found - seats_.begin()), ""};
 }

@@ -32,7 +32,7 @@ class Admission {
   std::int64_t largest_layer() const;
   std::int64_t largest_sample() const;
 
-  /// Version, layer name, scene digest (0: it takes ours), first of its name.
+  /// Version, layer name, kind of solver, scene digest (0: it takes ours), first of its name.
   /// @returns the seat, or the refusal
   struct Verdict {
     int who = -1;

@@ -34,7 +34,8 @@ struct Join {
   std::string layer;
   int pid = 0;
   std::string host;
-  bool records = false;  ///< it is the recorder: `layer` has no meaning
+  std::string kind;      ///< of layers that this solver computes: "fabric" or "metal"
+  bool records = false;  ///< it is the recorder: `layer` and `kind` have no meaning
 };
 
 /// Coordinator -> solver, the answer to Join. A solver started by hand needs nothing else: address and layer name
@@ -170,8 +171,9 @@ struct Event {
 /// Who may join: one entry per layer in scene order.
 struct Expected {
   std::string layer;
-  std::int64_t n_nodes = 0;          ///< every Motion of this layer must hold so many nodes
+  std::int64_t n_nodes = 0;         ///< every Motion of this layer must hold so many nodes
   std::int64_t largest_sample = 0;  ///< bytes; no Sample of this layer is larger
+  std::string kind{};               ///< of the layer, as in Join
 };
 
 /// The coordinator's end. Checks every message at the edge; a stranger, a duplicate, a wrong version, digest or layer

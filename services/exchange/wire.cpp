@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little && sizeof(double) == 8,
 namespace {
 
 constexpr std::uint32_t kMagic = 0x575049;  // "IPW"
-constexpr std::uint32_t kWireVersion = 1;
+constexpr std::uint32_t kWireVersion = 2;
 constexpr std::size_t kPrefix = 8;
 constexpr std::size_t kHeaderLimit = 1 << 20;
 
@@ -113,6 +113,7 @@ Bytes Encoder::encode(const Join& join) {
   to.set_layer(join.layer);
   to.set_pid(join.pid);
   to.set_host(join.host);
+  to.set_kind(join.kind);
   to.set_records(join.records);
   write(header, 0);
   return finish();
@@ -309,6 +310,7 @@ void Decoder::read(Join& join) const {
   join.layer = from.layer();
   join.pid = from.pid();
   join.host = from.host();
+  join.kind = from.kind();
   join.records = from.records();
 }
 

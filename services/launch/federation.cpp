@@ -15,10 +15,10 @@ namespace {
 constexpr double kGraceAfterLoss = 1.5;
 constexpr double kRecorderGraceAfterLoss = 5;
 constexpr double kCoordinatorAfterSuspect = 5;
-constexpr double kGraceAfterCancel = 15;
+constexpr double kGraceAfterCancel = 1.0;  ///< with the next but two, all have ended within 2 s of a signal
 constexpr double kSolversAfterCoordinator = 3;
 constexpr double kRecorderAfterCoordinator = 30;
-constexpr double kKillAfterTerminate = 5;
+constexpr double kKillAfterTerminate = 0.6;
 
 /// A process that leaves with one of these has said why, or was told to: by itself no reason to name it as lost.
 bool is_orderly(const Child& child) {
@@ -72,7 +72,8 @@ RunResult Federation::supervise() {
 
 void Federation::start(const Participant& participant) {
   processes_.push_back(
-      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"))});
+      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"),
+                               participant.inherited)});
 }
 
 void Federation::start_others(const std::string& bound) {

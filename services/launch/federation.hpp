@@ -24,6 +24,7 @@ namespace interply::launch {
 struct Participant {
   std::string name;                  ///< "coordinator", "recorder" or the layer's name
   std::vector<std::string> command;  ///< absolute path of the program and its arguments
+  int inherited = -1;                ///< descriptor of ours that it keeps open
 };
 
 /// What to start: the coordinator first; the others once it has said where it listens.

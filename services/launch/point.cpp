@@ -17,6 +17,7 @@
 
 #include "geometry/read_file.hpp"
 #include "geometry/text_lines.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
 #include "solve/vumat.hpp"
@@ -32,7 +33,7 @@ constexpr double kPointDensity = 1e-9;    ///< t/mm3, of a point with a law of t
 constexpr double kLargestTrueStrain = 5;  ///< a bar drawn to 150 times its length; beyond it a row is a slip of the pen
 
 [[noreturn]] void refuse(const std::string& origin, int line, const std::string& why) {
-  throw PathError(scene::to_line(fmt::format("{}:{}: {}", origin, line, why)));
+  throw PathError(process::to_line(fmt::format("{}:{}: {}", origin, line, why)));
 }
 
 /// One row of a path: its values in the order of the wanted columns, and where it stands.

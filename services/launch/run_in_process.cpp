@@ -90,7 +90,10 @@ class Record : public observe::Sink {
 std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
   std::vector<exchange::Expected> expected;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
-    expected.push_back({scene.layers[i].name, solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+    const scene::Layer& layer = scene.layers[i];
+    expected.push_back({.layer = layer.name,
+                        .n_nodes = solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes(),
+                        .kind = solve::to_word(layer.kind())});
   }
   return expected;
 }
@@ -101,7 +104,7 @@ void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub
   const auto& layer = scene.layers[static_cast<std::size_t>(index)];
   try {
     const auto link = hub.connect();
-    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process"},
+    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process", .kind = solve::to_word(layer.kind())},
                scene.exchange.startup_deadline);
     solve::run_session(scene, index, find_layer_factory(layer.kind()), *link, sink);
   } catch (const exchange::Stopped&) {  // the coordinator says why

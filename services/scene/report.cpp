@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::scene {
@@ -46,7 +47,7 @@ bool Report::is_broken(const std::string& path) const {
 void Report::throw_if_any() const {
   if (sentences_.empty()) return;
   std::string text;
-  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + to_line(sentence);
+  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + process::to_line(sentence);
   throw SceneError(text);
 }
 
@@ -82,17 +83,6 @@ std::string enumerate(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
-}
-
-std::string to_line(const std::string& text) {
-  std::string line;
-  for (const char c : text) {
-    char escape[8];
-    const auto byte = static_cast<unsigned char>(c);
-    std::snprintf(escape, sizeof escape, "\\x%02x", byte);
-    byte < 0x20 || byte == 0x7f ? void(line += escape) : line.push_back(c);
-  }
-  return line;
 }
 
 std::string to_text(double value) {

@@ -68,6 +68,9 @@ TEST_F(ByHand, AWrongSolverAndADuplicateAreRefusedAndTheRunGoesOn) {
   EXPECT_EQ(duplicate->wait(), 2) << duplicate->said();
   auto stranger = start_solver("fabric", "ply_9");
   EXPECT_EQ(stranger->wait(), 2) << stranger->said();
+  auto of_another_kind = start_solver("metal", "ply_2");
+  EXPECT_EQ(of_another_kind->wait(), 2) << of_another_kind->said();
+  EXPECT_THAT(of_another_kind->said(), HasSubstr("start interply-solver-fabric for it"));
   std::vector<std::unique_ptr<Program>> others;
   for (const auto* ply : {"ply_2", "ply_3"}) others.push_back(start_solver("fabric", ply));
   for (const auto* sheet : {"sheet_lower", "sheet_upper"}) others.push_back(start_solver("metal", sheet));
