@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/verdict.hpp"
 
 namespace interply::coordinator {
 
@@ -128,6 +129,8 @@ std::string format_summary(const scene::Scene& scene, const Forming& forming, co
                    "  penetration, worst frame: 99 % of the contact area below {:.2f} %, peak {:.2f} % of the "
                    "thinner layer\n",
                    100 * forming.penetration_99(), 100 * forming.penetration_peak());
+  for (const std::string& sentence : list_untouched(scene, forming.touched(), pace.step()))
+    text += "  warning: " + sentence + '\n';
   if (forming.penetration_peak() > 1)
     text +=
         "  warning: a layer or tool has gone through another; raise contact.reference_pressure or lengthen "

@@ -21,6 +21,7 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
   energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));
+  touched_.resize(energies_.interfaces.size());
 }
 
 void Forming::begin_step() {
@@ -61,8 +62,12 @@ void Forming::finish_step() {
   holder_.kick(pace_.time(), holder_force(), pace_.dt(), pace_.next_dt());
   if (stack_.punch()) energies_.punch_work -= 0.5 * (old_punch_force_ + punch_force()) * stack_.punch()->increment;
   old_punch_force_ = punch_force();
-  for (int k = 0; k < stack_.n_interfaces(); ++k)
-    energies_.interfaces[static_cast<std::size_t>(k)] = stack_.energies(k);
+  constexpr double kTouching = 1e-12;  // mJ; less is the rounding of a stack that just touches
+  for (int k = 0; k < stack_.n_interfaces(); ++k) {
+    const auto interface = static_cast<std::size_t>(k);
+    energies_.interfaces[interface] = stack_.energies(k);
+    if (energies_.interfaces[interface].stored > kTouching) touched_[interface] = true;
+  }
   energies_.blank_holder = holder_.energies();
   measure();
   if (pace_.frame() >= 0) publish_frame();

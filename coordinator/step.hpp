@@ -39,6 +39,8 @@ class Forming {
   /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty:
   /// nowhere.
   const std::string& too_soft() const { return too_soft_; }
+  /// By interface: whether any node has ever been pressed.
+  const std::vector<bool>& touched() const { return touched_; }
   double stroke() const { return travel_; }
   double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }
   double holder_force() const { return stack_.blank_holder().force.z(); }
@@ -81,6 +83,7 @@ class Forming {
   std::int64_t steps_since_row_ = 0, rows_ = 0;
   int lost_ = -1;
   std::string too_soft_;
+  std::vector<bool> touched_;  ///< by interface
 };
 
 }  // namespace interply::coordinator

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/scripted_link.hpp"
+#include "coordinator/verdict.hpp"
+#include "support/own_tools.hpp"
 
 namespace {
 
@@ -53,6 +55,41 @@ TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
         "target 61.253 kN", "energy (mJ)", "kinetic/internal", "penetration"})
     EXPECT_THAT(run.outcome.summary, HasSubstr(part));
   EXPECT_THAT(run.outcome.summary, Not(HasSubstr("digest")));
+}
+
+/// A pin between the nodes of layers that stay where they are, flat on each other: nothing is ever pressed.
+TEST(Summary, SaysWhatNeverTouched) {
+  const test::OwnTools tools(4);
+  test::Soup pin = test::make_box({4, 4, 40});
+  for (test::Vector3& x : pin) x += test::Vector3(10, 10, 0);
+  tools.write("punch", pin);
+  std::vector<std::string> overrides{"blank.mesh_size=20", "motion.forming_time=2e-5", "tools.blank_holder.ramp=1e-5",
+                                     "motion.stroke=15"};
+  for (const std::string& override : tools.overrides({"punch"})) overrides.push_back(override);
+  scene::Scene scene = test::read_flat_stack(overrides);
+  scene.time.energy_limit = 1e9;
+  test::ScriptedLink link(scene);
+  link.everyone_joins_and_moves();
+  test::ScriptedRun run;
+  run.run(scene, link);
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
+  EXPECT_THAT(run.outcome.summary, HasSubstr("  warning: the punch never touched "));
+  EXPECT_THAT(run.outcome.summary, HasSubstr("  warning: ply_1 and ply_2 never touched: no pressure between them"));
+  EXPECT_THAT(run.outcome.summary, Not(HasSubstr("blank holder never touched")));  // it has come down on the stack
+}
+
+TEST(Verdict, NamesEachThatNeverTouchedAndAMissingPunch) {
+  scene::Scene scene = test::read_flat_stack();
+  std::vector<bool> touched(scene.layers.size() + 2, true);
+  EXPECT_TRUE(list_untouched(scene, touched, 9).empty());
+  touched.front() = touched.back() = false;
+  EXPECT_THAT(list_untouched(scene, touched, 9),
+              testing::ElementsAre(HasSubstr("the die never touched sheet_lower: its force was 0 in all 9 steps"),
+                                   HasSubstr("the punch never touched sheet_upper: its force was 0 in all 9 steps")));
+  scene.tools.punch.reset();
+  scene.motion.stroke = 60;
+  EXPECT_THAT(list_untouched(scene, std::vector<bool>(scene.layers.size() + 1, true), 9),
+              testing::ElementsAre(HasSubstr("there was no punch")));
 }
 
 }  // namespace

@@ -31,6 +31,11 @@ TEST(Check, ShowsTheMassThatScalingAdds) {
   EXPECT_THAT(text, testing::ContainsRegex("sheet_lower +metal +120 +196 +307\\.72 +923\\.16"));
 }
 
+TEST(Check, WarnsOfAToolFinerThanTheMesh) {
+  EXPECT_THAT(check({"tools.die.shoulder=4"}),
+              testing::HasSubstr("warning     tools.die: a radius of 4 mm is finer than the 20 mm mesh of sheet_lower"));
+}
+
 TEST(Check, ARefusedSceneIsNotPriced) {
   std::ostringstream out;
   EXPECT_THROW(check_command({INTERPLY_SOURCE_DIR "/tests/scenes/flat_stack.yaml", {"blank.mesh_size=-1"}}, out),
