@@ -54,6 +54,7 @@ class Run {
             .measures = measure(end)};
   }
 
+  const Stack& stack() const { return forming_.stack(); }
   int frames_begun() const { return frames_begun_; }
   const std::string& too_soft() const { return forming_.too_soft(); }
 
@@ -227,9 +228,9 @@ class Run {
 Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::CoordinatorLink& link,
             observe::Sink& sink, const std::function<void(const Progress&)>& report,
             const std::function<void(const std::string&)>& log) {
-  sink.put(make_header(scene, run_name));
   Outcome outcome;
   Run run(scene, link, sink, report, log);
+  sink.put(make_header(scene, run_name, run.stack()));
   try {
     outcome = run.form();
   } catch (const Ended& ended) {

@@ -95,8 +95,9 @@ inline constexpr const char* kRecorderMark = "interply-recorder";
 template <typename T>
 struct Encoded {
   typename Wire<T>::Type sample{};
-  std::vector<interply_observe_Field> fields;
-  std::array<std::vector<char*>, 4> strings;
+  std::vector<interply_observe_Field> fields, fields_on_other;
+  std::array<std::vector<char*>, 5> strings;
+  std::vector<interply_observe_ToolSurface> surfaces;
 };
 Encoded<RunHeader> encode(const RunHeader& a);
 Encoded<LayerMesh> encode(const LayerMesh& a);

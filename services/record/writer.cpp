@@ -115,7 +115,9 @@ struct RecordWriter::Impl {
     if (f.frame == 0) layout.layer_fields.try_emplace(f.layer, shapes_of(f.fields));
   }
   void learn(const InterfaceFrame& f) {
-    if (f.frame == 0) layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields));
+    if (f.frame != 0) return;
+    layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields));
+    layout.other_fields.try_emplace(f.interface, shapes_of(f.fields_on_other));
   }
   void learn(const ToolFrame&) {}
   void learn(const HistoryRow&) {}
@@ -141,6 +143,7 @@ struct RecordWriter::Impl {
     forget_strangers(layout.meshes, header->layers);
     forget_strangers(layout.layer_fields, header->layers);
     forget_strangers(layout.interface_fields, header->interfaces);
+    std::erase_if(layout.other_fields, [this](const auto& i) { return !layout.interface_fields.contains(i.first); });
     std::erase_if(layout.layer_fields, [this](const auto& item) { return !layout.meshes.contains(item.first); });
     file.emplace(path, layout);
     attendance = Attendance(*header);

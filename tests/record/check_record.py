@@ -52,10 +52,20 @@ def check_values(path, frames, rows=None, status="running"):
             if owner < 10:
                 k = np.arange(frames)[:, None, None]
                 check_frames(f[group]["position"], f[group]["reference"][()] + k * np.array([0.001, 0, -1.0]))
+        on_sheet = expected(10, 2, frames, len(f["layers/sheet/reference"]), 3)
+        check_frames(f["interfaces/ply_1|sheet/force_on_other"], on_sheet)
+        assert "force_on_other" not in f["interfaces/die|ply_1"]
+        assert [f[f"interfaces/{pair}/other"][()].decode() for pair in ("ply_1|sheet", "die|ply_1")] == ["sheet", "die"]
         check_frames(f["tools/punch/position"], 20e6 + 1e3 * np.arange(frames))
+        check_frames(f["tools/punch/force"], expected(20, 1, frames, 1, 3)[:, 0])
+        check_frames(f["tools/punch/moment"], expected(20, 2, frames, 1, 3)[:, 0])
+        wedge = f["tools/punch/surface"]
+        np.testing.assert_array_equal(wedge["nodes"], [[0, 0, 5], [20, 0, 0], [20, 30, 0], [0, 30, 5]])
+        np.testing.assert_array_equal(wedge["triangles"], [[0, 1, 2], [0, 2, 3]])
         check_frames(f["history/stroke"], 2.0 * np.arange(rows))
         check_frames(f["history/votes"], np.arange(rows)[:, None] * np.array([7.0, 8.0]))
         check_frames(f["history/interface_residual"], np.arange(rows)[:, None] * np.array([13.0, 14.0]))
+        check_frames(f["history/interface_friction"], np.arange(rows)[:, None] * np.array([15.0, 16.0]))
 
 
 def check_attributes(path):
