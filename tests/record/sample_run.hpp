@@ -69,7 +69,7 @@ class SampleRun {
   }
   observe::ToolFrame tool_frame(int k) const {
     observe::ToolFrame f{.tool = "punch", .frame = k, .step = 100 * k, .time = 0.5 * k};
-    f.position = sample_value(20, 0, k, 0, 0);
+    f.position = 7.5 - 3.25 * k;
     for (int c = 0; c < 3; ++c) f.force[c] = sample_value(20, 1, k, c, 0);
     for (int c = 0; c < 3; ++c) f.moment[c] = sample_value(20, 2, k, c, 0);
     return f;
