@@ -94,7 +94,7 @@ class Run {
 
  private:
   void put_header(const std::string& run_name) {
-    observe::RunHeader header = make_header(scene_, run_name);
+    observe::RunHeader header = make_header(scene_, run_name, forming_.stack());
     for (int i = 0; i < forming_.stack().n_layers(); ++i) {
       header.nodes.push_back(forming_.stack().layer(i).mesh.n_nodes());
       header.elements.push_back(forming_.stack().layer(i).mesh.n_elements());

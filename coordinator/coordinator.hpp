@@ -53,10 +53,10 @@ Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::Co
 /// One line for a terminal: stroke, step, dt, time left, energy residual, who is waited for.
 std::string format_progress(const Progress& progress);
 
-/// Names of the interfaces in order, "lower|upper", tools included, and the layer whose nodes carry each one's
-/// tractions.
+/// Names of the interfaces in order, "lower|upper", tools included, the layer whose nodes carry each one's tractions,
+/// and who is on the other side.
 struct InterfaceName {
-  std::string name, nodes_of;
+  std::string name, nodes_of, other;
 };
 std::vector<InterfaceName> name_interfaces(const scene::Scene& scene);
 

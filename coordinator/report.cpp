@@ -94,7 +94,7 @@ std::string format_summary(const scene::Scene& scene, const Forming& forming, co
     const scene::Layer& layer = scene.layers[i];
     fmt::format_to(out, "  {:<12} {:<6}", layer.name, layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
     for (const exchange::SummaryItem& item : finals[i].summary)
-      fmt::format_to(out, "  {} {:.3g}{}", item.name, item.value, item.unit == "1" ? "" : " " + item.unit);
+      fmt::format_to(out, "  {} {:.3g}{}", item.name, item.value, item.unit == "-" ? "" : " " + item.unit);
     text += '\n';
   }
   fmt::format_to(out, "  draw-in at -x, +x, +y, largest of the rim (mm):");

@@ -160,6 +160,7 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.layer_internal = b.layer_internal;
   row.layer_residual = b.layer_residual;
   row.interface_residual = b.interface_residual;
+  row.interface_friction = b.interface_friction;
   for (double& s : step_sums_) row.step_seconds.push_back(std::exchange(s, 0.0) / steps);
   for (double& s : wait_sums_) row.wait_seconds.push_back(std::exchange(s, 0.0) / steps);
   row.coordinator_step_seconds = std::exchange(own_step_sum_, 0.0) / steps;

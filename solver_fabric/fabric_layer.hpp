@@ -40,6 +40,7 @@ class FabricLayer final : public solve::LayerMechanics {
   MembraneResult stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
   FibreState compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const;
+  void add_fibre_directions(const mechanics::NodalVectors& x, std::vector<observe::Field>& fields) const;
   Potential compute_potential(const FibreState& s) const;
 
   // constant

@@ -113,7 +113,7 @@ void VumatSection::add_fields(std::vector<observe::Field>& fields) const {
   const int low = (rule_.size() - 1) / 2, high = rule_.size() / 2;  // equal for an odd number of points
   for (int v = 0; v < points_.n_state(); ++v) {
     observe::Field field{.name = fmt::format("state_{}", v + 1),
-                         .unit = "1",
+                         .unit = "-",
                          .description = "state variable of the vumat at the midsurface, in its own unit",
                          .values = {}};
     for (Eigen::Index e = 0; e < area_.size(); ++e)

@@ -98,8 +98,9 @@ inline constexpr const char* kRecorderMark = "interply-recorder";
 template <typename T>
 struct Encoded {
   typename Wire<T>::Type sample{};
-  std::vector<interply_observe_Field> fields;
-  std::array<std::vector<char*>, 4> strings;
+  std::vector<interply_observe_Field> fields, fields_on_other;
+  std::array<std::vector<char*>, 5> strings;
+  std::vector<interply_observe_ToolSurface> surfaces;
 };
 /// @param run  stamp of the sample; lives as long as the result
 Encoded<RunHeader> encode(const RunHeader& a, const std::string& run);

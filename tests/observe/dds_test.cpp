@@ -61,6 +61,10 @@ TEST(DdsSink, CarriesEveryStructUnchanged) {
   EXPECT_EQ(header.interfaces, run.header().interfaces);
   EXPECT_EQ(header.tools, run.header().tools);
   EXPECT_EQ(header.interface_nodes_of, run.header().interface_nodes_of);
+  EXPECT_EQ(header.interface_others, run.header().interface_others);
+  ASSERT_EQ(header.tool_surfaces.size(), 1u);
+  EXPECT_TRUE((header.tool_surfaces[0].nodes == SampleRun::make_wedge().nodes).all());
+  EXPECT_TRUE((header.tool_surfaces[0].triangles == SampleRun::make_wedge().triangles).all());
   EXPECT_EQ(header.frames, 3);
   EXPECT_EQ(header.history_capacity, 6);
   ASSERT_EQ(got.meshes.size(), 2u);
@@ -87,6 +91,7 @@ TEST(DdsSink, CarriesEveryStructUnchanged) {
     EXPECT_EQ(f.step, sent.step);
     EXPECT_EQ(f.time, sent.time);
     expect_equal(f.fields, sent.fields);
+    expect_equal(f.fields_on_other, sent.fields_on_other);
   }
   for (int k = 0; k < 4; ++k) {
     const ToolFrame sent = run.tool_frame(k);
@@ -96,6 +101,7 @@ TEST(DdsSink, CarriesEveryStructUnchanged) {
     EXPECT_EQ(got.tool_frames[k].time, sent.time);
     EXPECT_EQ(got.tool_frames[k].position, sent.position);
     for (int c = 0; c < 3; ++c) EXPECT_EQ(got.tool_frames[k].force[c], sent.force[c]);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(got.tool_frames[k].moment[c], sent.moment[c]);
   }
   for (int i = 0; i < 6; ++i) {
     const HistoryRow sent = run.history_row(i), &row = got.rows[i];
@@ -110,7 +116,8 @@ TEST(DdsSink, CarriesEveryStructUnchanged) {
     }
     for (const auto member :
          {&HistoryRow::layer_kinetic, &HistoryRow::layer_internal, &HistoryRow::layer_residual, &HistoryRow::votes,
-          &HistoryRow::step_seconds, &HistoryRow::wait_seconds, &HistoryRow::interface_residual}) {
+          &HistoryRow::step_seconds, &HistoryRow::wait_seconds, &HistoryRow::interface_residual,
+          &HistoryRow::interface_friction}) {
       EXPECT_EQ(row.*member, sent.*member);
     }
   }

@@ -94,6 +94,9 @@ TEST_F(AKnownRun, SizesFollowFromHeaderAndMeshes) {
   ToolFrame tool = run.tool_frame(1);
   tool.tool = "hammer";
   EXPECT_EQ(refusal(known, tool, kCoordinator), "the run has no tool 'hammer'");
+  InterfaceFrame other = run.interface_frame(0, 1);
+  other.fields_on_other[0].values.resize(300);
+  EXPECT_NE(refusal(known, other, kCoordinator), "");
   HistoryRow row = run.history_row(1);
   row.votes.resize(1000);
   EXPECT_EQ(refusal(known, row, kCoordinator), "a history row of 1000 layers, not 2");
@@ -114,6 +117,12 @@ TEST(KnownRun, AHeaderOfATerabyteOrAMeshThatIsNoMeshIsNotAdmitted) {
   EXPECT_NE(refusal(known, header, kStranger), "");
   header = run.header();
   header.interface_nodes_of[1] = "die";
+  EXPECT_NE(refusal(known, header, kStranger), "");
+  header = run.header();
+  header.interface_others.clear();
+  EXPECT_NE(refusal(known, header, kStranger), "");
+  header = run.header();
+  header.tool_surfaces.resize(1000);
   EXPECT_NE(refusal(known, header, kStranger), "");
   header = run.header();
   header.layers = {"ply_1", "ply_1"};
