@@ -229,7 +229,7 @@ struct VumatPoints::Block {
     if (k == StateOld || k == StateNew)
       return outside + fmt::format("{} per point; set law.vumat.state_variables to what the law uses", per_point[k]);
     if (per_point[k] == 0) return outside + fmt::format("{} values; correct the law", constant[k]);
-    return outside + fmt::format("{} components; correct the law: it must obey ndir 3 and nshr 1 of shells and membranes",
+    return outside + fmt::format("{} components; correct the law: it must obey ndir 3, nshr 1 of shells and membranes",
                                  per_point[k]);
   }
 };
