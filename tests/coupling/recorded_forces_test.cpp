@@ -7,6 +7,7 @@
 
 #include "coordinator/stack.hpp"
 #include "record/sample_run.hpp"
+#include "record/writer.hpp"
 #include "support/flat_meshes.hpp"
 #include "support/in_process_run.hpp"
 #include "support/own_tools.hpp"
@@ -138,6 +139,30 @@ TEST(RecordedForces, AreWhatActsOnToolsFromStl) {
   const auto run = test::run_in_process(scene);
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
   EXPECT_GT(expect_what_acts(scene, *run.sink)[0], 1000);
+}
+
+/// Runs check_forces.py of tests/record. @return its exit status, 0 if all is well
+int check_forces(const std::string& arguments) {
+  const std::string script = INTERPLY_SOURCE_DIR "/tests/record/check_forces.py ";
+  const int status = std::system(("/usr/bin/python3 " + script + arguments).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// Laminate and plies alone as they are shipped, on a coarser mesh and with half the stroke: everything once more with
+/// h5py, from the file, and the example of RECORD.md as it stands.
+TEST(RecordedForces, OfShippedScenesAreWhatActsForWhoReadsTheFile) {
+  for (const char* name : {"tetrahedron_fml_coarse.yaml", "tetrahedron_fabric_coarse.yaml"}) {
+    const test::TemporaryFolder folder;
+    const scene::Scene scene = test::read_shipped_scene(
+        name, {"blank.mesh_size=20", "motion.stroke=30", "motion.forming_time=6e-3", "record.frames=6"});
+    record::RecordWriter writer(folder / "record.h5");
+    const auto outcome = test::run_in_process(scene, {}, writer);
+    writer.close();
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.message;
+    EXPECT_EQ(check_forces("record " + (folder / "record.h5").string()), 0) << name;
+    if (scene.layers.size() < 5) continue;  // the example names the sheets
+    EXPECT_EQ(check_forces("example " INTERPLY_SOURCE_DIR "/proto/RECORD.md " + folder.path().string()), 0);
+  }
 }
 
 }  // namespace
