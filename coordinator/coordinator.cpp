@@ -48,9 +48,12 @@ class Run {
     forming_.put_history_row(end);
     mechanics::Digest digest;
     for (const exchange::Final& f : finals_) digest.add(&f.digest, sizeof f.digest);
+    summary::Summary summary = summarise(scene_, forming_, end, finals_, seconds.count());
+    summary.set_digest(mechanics::to_hex(digest.value()));
     return {.exit_code = 0,
-            .digest = mechanics::to_hex(digest.value()),
-            .summary = format_summary(scene_, forming_, end, finals_, seconds.count()),
+            .digest = summary.digest(),
+            .summary = format_text(summary),
+            .summary_json = format_json(summary),
             .measures = measure(end)};
   }
 
@@ -258,7 +261,8 @@ Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::Co
   sink.put(observe::RunEnd{.status = kStatus[outcome.exit_code],
                            .message = outcome.message,
                            .digest = outcome.digest,
-                           .frames_complete = run.frames_begun()});
+                           .frames_complete = run.frames_begun(),
+                           .summary = outcome.summary_json});
   sink.flush(outcome.exit_code == 0 ? 10 : 2);  // what was lost may be the recorder: do not wait for it for long
   return outcome;
 }

@@ -39,6 +39,7 @@ struct Outcome {
   std::string message;  ///< one sentence if not done
   std::string digest;   ///< 16 hex digits of the final state of all layers
   std::string summary;  ///< one screen of text, without the digest line
+  std::string summary_json;  ///< the same numbers with their units (proto/summary.proto); empty unless done
   Measures measures;    ///< of a run that is done
 };
 

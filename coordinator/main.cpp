@@ -37,6 +37,11 @@ void watch_signals(exchange::CoordinatorLink& link) {
   }).detach();
 }
 
+void print_lines(const char* prefix, const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) std::cout << prefix << line << '\n';
+}
+
 void block_signals() {
   sigset_t set;
   sigemptyset(&set);
@@ -81,8 +86,8 @@ int main(int argc, char** argv) {
         },
         [](const std::string& line) { std::cout << line << std::endl; });
     if (!outcome.message.empty()) std::cerr << outcome.message << std::endl;
-    std::istringstream summary(outcome.summary);
-    for (std::string line; std::getline(summary, line);) std::cout << "@summary " << line << '\n';
+    print_lines("@summary ", outcome.summary);
+    print_lines("@json ", outcome.summary_json);
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {

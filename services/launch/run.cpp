@@ -21,7 +21,7 @@ RunFolder prepare_folder(const scene::Scene& scene, const fs::path& out, bool ov
     throw OutputExists(
         fmt::format("{} holds a record already: choose another --out, or say --overwrite", folder.out.string()));
   }
-  for (const auto& old : {folder.record(), folder.sidecar(), folder.logs()}) fs::remove_all(old);
+  for (const auto& old : {folder.record(), folder.sidecar(), folder.summary(), folder.logs()}) fs::remove_all(old);
   fs::create_directories(folder.logs());
   std::ofstream file(folder.scene());
   file << scene.text;
@@ -54,6 +54,7 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
                                  folder.sidecar().filename().string()));
     }
     terminal.print(fmt::format("scene    {}", folder.scene().string()));
+    if (fs::exists(folder.summary())) terminal.print(fmt::format("summary  {}", folder.summary().string()));
     if (!fs::is_empty(folder.logs())) terminal.print(fmt::format("logs     {}", folder.logs().string()));
   }
   if (!result.digest.empty()) terminal.print("digest " + result.digest);
@@ -76,6 +77,8 @@ int run_command(const RunOptions& options) {
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;
   const RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
                                               : run_federated(scene, folder, run_name, address, terminal);
+  if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
+    std::ofstream(folder.summary()) << result.summary_json;
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;
 }

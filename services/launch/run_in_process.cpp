@@ -105,7 +105,7 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
     }
     hub.close();
   }
-  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest};
+  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest, outcome.summary_json};
 }
 
 }  // namespace interply::launch
