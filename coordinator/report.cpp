@@ -120,6 +120,7 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
   const Pace& pace = forming.pace();
   std::int64_t elements = 0;
   for (int i = 0; i < forming.stack().n_layers(); ++i) elements += forming.stack().layer(i).mesh.n_elements();
+  s.set_interply(exchange::kVersion);
   s.set_scene(scene.name);
   s.set_modelled_part(scene.blank.half ? "half model" : "full model");
   set(s.mutable_stroke(), forming.stroke(), "mm");

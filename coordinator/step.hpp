@@ -33,6 +33,7 @@ class Forming {
   /// Its residual / the largest energies so far.
   double final_residual(const EnergyBalance& end) const { return end.residual() / std::max(scale_, end.scale()); }
   void put_history_row(const EnergyBalance& balance);
+  std::int64_t rows() const { return rows_; }  ///< of the history, put so far
 
   const Pace& pace() const { return pace_; }
   const Stack& stack() const { return stack_; }
@@ -84,7 +85,7 @@ class Forming {
   double penetration_99_ = 0, penetration_peak_ = 0;
   std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s
   double own_step_sum_ = 0, own_wait_sum_ = 0;
-  std::int64_t steps_since_row_ = 0;
+  std::int64_t steps_since_row_ = 0, rows_ = 0;
   int lost_ = -1;
   std::string too_soft_;
 };

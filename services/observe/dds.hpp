@@ -1,30 +1,36 @@
 /// Cyclone DDS as the carrier of what anyone may watch: a Sink that publishes, a subscriber that fills a Sink.
 ///
-/// One topic per struct of frames.hpp (`proto/observe.idl`), all reliable. Every run has its own DDS partition, so that
-/// runs on one host or network do not mix. Every writer keeps the last sample of each instance (run, layer, interface,
-/// tool) for late readers; until a reader has acknowledged them, frames and history rows are all kept.
+/// One topic per struct of frames.hpp (`proto/observe.idl`). Every run has its own DDS partition and stamps every sample
+/// with its identity, so that runs on one host or network do not mix. Every writer keeps the last sample of each instance
+/// (run, layer, interface, tool) for who comes late, and a few for who is slow. Who watches may lose samples and never
+/// holds the run.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "observe/frames.hpp"
 
 namespace interply::observe {
 
 struct DdsOptions {
-  std::string network = "127.0.0.1";  ///< address or name of the interface that DDS uses
+  std::string network = "127.0.0.1";  ///< the interface that DDS uses: its name, IPv4 address, or its network's address
   bool multicast = false;             ///< find participants by multicast, else by unicast on `network` alone
   int domain = 0;                     ///< DDS domain, 0 to 230
-  std::string run;                    ///< unique name of the run: the partition
+  std::string run;                    ///< identity of the run: the partition, and the stamp of every sample
+  std::vector<std::string> peers;     ///< other hosts to look for participants on, IPv4 addresses
 };
+
+/// @throws std::runtime_error one sentence, if this host has no such interface or another member cannot be used
+void check_network(const DdsOptions& options);
 
 /// Publishes to everyone who watches `options.run`.
 ///
-/// put() copies the sample and returns. If readers have left more than 64 MB of one topic unacknowledged it waits at
-/// most 20 ms, then drops the sample and says so in the log (the first, second, fourth ... of a topic). It never
-/// throws. put(RunEnd) first waits up to 2 s for the history rows to be received, so that a reader knows them all by
-/// then. Safe to call from several threads.
+/// put() copies the sample, hands it to the network and returns; it neither waits for a reader nor throws. A reader that
+/// is slow or hangs finds the newest 8 frames of each layer, interface and tool and the newest 1000 history rows. Safe
+/// to call from several threads.
 class DdsSink : public Sink {
  public:
   /// @throws std::runtime_error with a sentence if options are unusable or no participant can be created
@@ -60,11 +66,15 @@ class DdsSubscriber {
   explicit DdsSubscriber(const DdsOptions& options, Role role = Role::Monitor);
   ~DdsSubscriber();
 
-  /// Hands all samples that have arrived to `handler`, waiting at most `seconds` for the first one. Samples of one
-  /// layer, interface or tool come in order; between topics and participants there is no order, except that RunEnd
-  /// comes after the history rows put before it. A malformed sample is skipped with one log line.
+  /// Hands samples that have arrived to `handler`, waiting at most `seconds` for the first one: the header first, then
+  /// the meshes of all layers, then everything else. Samples of one layer, interface or tool come in order; between them
+  /// there is no order. What cannot be of this run (stamp, sender, names, sizes: known_run.hpp) is dropped and counted,
+  /// with one log line a second at most.
   /// @return number of samples handed over
   int receive(Sink& handler, double seconds);
+
+  /// Samples dropped so far.
+  std::uint64_t dropped() const;
 
   /// Whether anyone publishes this run at present. A participant that dies counts for up to 10 s more.
   bool has_publishers() const;

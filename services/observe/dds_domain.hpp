@@ -10,8 +10,8 @@
 namespace interply::observe {
 
 /// Configuration of the domain as Cyclone DDS reads it (XML).
-/// @throws std::runtime_error if a member of `options` cannot be used
-std::string make_domain_config(const DdsOptions& options);
+/// @param address  of the interface
+std::string make_domain_config(const DdsOptions& options, const std::string& address);
 
 /// A participant; deletes itself and everything created in it. All participants of one process share its domain, which
 /// lives as long as the last of them.

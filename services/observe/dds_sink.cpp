@@ -1,7 +1,7 @@
-#include <spdlog/spdlog.h>
+#include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <string_view>
 #include <thread>
@@ -9,6 +9,7 @@
 #include "observe/dds.hpp"
 #include "observe/dds_domain.hpp"
 #include "observe/dds_wire.hpp"
+#include "observe/quiet_log.hpp"
 
 namespace interply::observe {
 namespace {
@@ -53,7 +54,7 @@ struct DdsSink::Impl {
     const dds_entity_t publisher =
         check_entity(dds_create_publisher(participant.handle(), partition.get(), nullptr), "create a publisher");
     for_each_topic([&]<typename T>() {
-      const Qos qos = make_qos(Wire<T>::lasting);
+      const Qos qos = make_writer_qos(Wire<T>::depth);
       const dds_entity_t topic =
           check_entity(dds_create_topic(participant.handle(), Wire<T>::descriptor, Wire<T>::name, nullptr, nullptr),
                        std::string("create topic ") + Wire<T>::name);
@@ -63,20 +64,19 @@ struct DdsSink::Impl {
   }
 
   template <typename T>
-  void write(const Encoded<T>& encoded) {
+  void write(const T& a) {
+    const Encoded<T> encoded = encode(a, run);
     const dds_return_t result = dds_write(writers[topic_index<T>()], &encoded.sample);
-    if (result == DDS_RETCODE_OK) return;
-    const std::uint64_t n = ++dropped[topic_index<T>()];
-    if ((n & (n - 1)) == 0) {
-      spdlog::warn("{} sample(s) of {} dropped so far: no reader took them in time ({}); the run goes on", n,
-                   Wire<T>::name, dds_strretcode(result));
+    if (result != DDS_RETCODE_OK) {
+      log.warn(fmt::format("a sample of {} is not published: {}; the run goes on", Wire<T>::name,
+                           dds_strretcode(result)));
     }
   }
 
   std::string run;
   Participant participant;
   std::array<dds_entity_t, kTopics> writers{};
-  std::array<std::atomic<std::uint64_t>, kTopics> dropped{};
+  QuietLog log;
 };
 
 DdsSink::DdsSink(const DdsOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -91,16 +91,13 @@ bool DdsSink::wait_for_reader(double seconds) {
   }
 }
 
-void DdsSink::put(const RunHeader& a) { impl_->write<RunHeader>(encode(a)); }
-void DdsSink::put(const LayerMesh& a) { impl_->write<LayerMesh>(encode(a)); }
-void DdsSink::put(const LayerFrame& a) { impl_->write<LayerFrame>(encode(a)); }
-void DdsSink::put(const InterfaceFrame& a) { impl_->write<InterfaceFrame>(encode(a)); }
-void DdsSink::put(const ToolFrame& a) { impl_->write<ToolFrame>(encode(a)); }
-void DdsSink::put(const HistoryRow& a) { impl_->write<HistoryRow>(encode(a)); }
-void DdsSink::put(const RunEnd& a) {
-  dds_wait_for_acks(impl_->writers[topic_index<HistoryRow>()], DDS_SECS(2));
-  impl_->write<RunEnd>(encode(a, impl_->run));
-}
+void DdsSink::put(const RunHeader& a) { impl_->write(a); }
+void DdsSink::put(const LayerMesh& a) { impl_->write(a); }
+void DdsSink::put(const LayerFrame& a) { impl_->write(a); }
+void DdsSink::put(const InterfaceFrame& a) { impl_->write(a); }
+void DdsSink::put(const ToolFrame& a) { impl_->write(a); }
+void DdsSink::put(const HistoryRow& a) { impl_->write(a); }
+void DdsSink::put(const RunEnd& a) { impl_->write(a); }
 
 bool DdsSink::flush(double seconds) {
   const Clock::time_point deadline = after(seconds);

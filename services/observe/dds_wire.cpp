@@ -65,20 +65,32 @@ std::vector<Field> copy_fields(const Sequence& w) {
 
 }  // namespace
 
-Qos make_qos(bool lasting) {
+namespace {
+
+Qos make_qos(int depth) {
   Qos qos(dds_create_qos(), dds_delete_qos);
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(20));
-  if (lasting) {
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  } else {
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
-  }
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
   // Transient-local also closes the gap between the moment a writer knows a reader and the reverse: a volatile reader
   // starts at the writer's first heartbeat and would miss what was written before it.
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  return qos;
+}
+
+}  // namespace
+
+Qos make_writer_qos(int depth) {
+  Qos qos = make_qos(depth);
   dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
                               DDS_LENGTH_UNLIMITED);
   dds_qset_writer_data_lifecycle(qos.get(), false);
+  return qos;
+}
+
+Qos make_reader_qos(int depth) {
+  constexpr int kInstances = 256;
+  Qos qos = make_qos(depth);
+  dds_qset_resource_limits(qos.get(), kInstances * 4, kInstances, depth);
   return qos;
 }
 
@@ -89,9 +101,9 @@ Qos make_partition_qos(const std::string& run) {
   return qos;
 }
 
-Encoded<RunHeader> encode(const RunHeader& a) {
+Encoded<RunHeader> encode(const RunHeader& a, const std::string& run) {
   Encoded<RunHeader> e;
-  e.sample = {.run = view(a.run),
+  e.sample = {.run = view(run),
               .scene_text = view(a.scene_text),
               .version = view(a.version),
               .scene_digest = view(a.scene_digest),
@@ -104,9 +116,10 @@ Encoded<RunHeader> encode(const RunHeader& a) {
   return e;
 }
 
-Encoded<LayerMesh> encode(const LayerMesh& a) {
+Encoded<LayerMesh> encode(const LayerMesh& a, const std::string& run) {
   Encoded<LayerMesh> e;
-  e.sample = {.layer = view(a.layer),
+  e.sample = {.run = view(run),
+              .layer = view(a.layer),
               .kind = view(a.kind),
               .thickness = a.thickness,
               .reference = view(a.reference),
@@ -114,9 +127,10 @@ Encoded<LayerMesh> encode(const LayerMesh& a) {
   return e;
 }
 
-Encoded<LayerFrame> encode(const LayerFrame& a) {
+Encoded<LayerFrame> encode(const LayerFrame& a, const std::string& run) {
   Encoded<LayerFrame> e;
-  e.sample = {.layer = view(a.layer),
+  e.sample = {.run = view(run),
+              .layer = view(a.layer),
               .frame = a.frame,
               .step = a.step,
               .time = a.time,
@@ -125,9 +139,10 @@ Encoded<LayerFrame> encode(const LayerFrame& a) {
   return e;
 }
 
-Encoded<InterfaceFrame> encode(const InterfaceFrame& a) {
+Encoded<InterfaceFrame> encode(const InterfaceFrame& a, const std::string& run) {
   Encoded<InterfaceFrame> e;
-  e.sample = {.pair = view(a.interface),
+  e.sample = {.run = view(run),
+              .pair = view(a.interface),
               .nodes_of = view(a.nodes_of),
               .frame = a.frame,
               .step = a.step,
@@ -136,9 +151,10 @@ Encoded<InterfaceFrame> encode(const InterfaceFrame& a) {
   return e;
 }
 
-Encoded<ToolFrame> encode(const ToolFrame& a) {
+Encoded<ToolFrame> encode(const ToolFrame& a, const std::string& run) {
   Encoded<ToolFrame> e;
-  e.sample = {.tool = view(a.tool),
+  e.sample = {.run = view(run),
+              .tool = view(a.tool),
               .frame = a.frame,
               .step = a.step,
               .time = a.time,
@@ -147,9 +163,10 @@ Encoded<ToolFrame> encode(const ToolFrame& a) {
   return e;
 }
 
-Encoded<HistoryRow> encode(const HistoryRow& a) {
+Encoded<HistoryRow> encode(const HistoryRow& a, const std::string& run) {
   Encoded<HistoryRow> e;
-  e.sample = {.step = a.step,
+  e.sample = {.run = view(run),
+              .step = a.step,
               .time = a.time,
               .dt = a.dt,
               .stroke = a.stroke,

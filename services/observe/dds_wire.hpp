@@ -16,25 +16,26 @@
 
 namespace interply::observe {
 
-/// `lasting`: sent once, only the last sample of an instance matters; else every sample does.
+/// `depth`: samples of an instance (run, layer, interface, tool; all history rows are one) kept for a reader that is
+/// slow: older ones give way.
 template <typename T>
 struct Wire;
 
-#define INTERPLY_WIRE(T, NAME, LASTING)                                                       \
+#define INTERPLY_WIRE(T, NAME, DEPTH)                                                         \
   template <>                                                                                 \
   struct Wire<T> {                                                                            \
     using Type = interply_observe_##T;                                                        \
     static constexpr const char* name = NAME;                                                 \
     static constexpr const dds_topic_descriptor_t* descriptor = &interply_observe_##T##_desc; \
-    static constexpr bool lasting = LASTING;                                                  \
+    static constexpr int depth = DEPTH;                                                       \
   };
-INTERPLY_WIRE(RunHeader, "interply_run_header", true)
-INTERPLY_WIRE(LayerMesh, "interply_layer_mesh", true)
-INTERPLY_WIRE(LayerFrame, "interply_layer_frame", false)
-INTERPLY_WIRE(InterfaceFrame, "interply_interface_frame", false)
-INTERPLY_WIRE(ToolFrame, "interply_tool_frame", false)
-INTERPLY_WIRE(HistoryRow, "interply_history_row", false)
-INTERPLY_WIRE(RunEnd, "interply_run_end", true)
+INTERPLY_WIRE(RunHeader, "interply_run_header", 1)
+INTERPLY_WIRE(LayerMesh, "interply_layer_mesh", 1)
+INTERPLY_WIRE(LayerFrame, "interply_layer_frame", 8)
+INTERPLY_WIRE(InterfaceFrame, "interply_interface_frame", 8)
+INTERPLY_WIRE(ToolFrame, "interply_tool_frame", 8)
+INTERPLY_WIRE(HistoryRow, "interply_history_row", 1000)
+INTERPLY_WIRE(RunEnd, "interply_run_end", 1)
 #undef INTERPLY_WIRE
 
 inline constexpr int kTopics = 7;
@@ -82,9 +83,11 @@ void for_each_topic(F&& f) {
   f.template operator()<RunEnd>();
 }
 
-/// Quality of service of T's writer and reader in the partition `run`.
+/// Quality of service of a writer and reader that keep `depth` samples of an instance. A writer never waits; a reader
+/// keeps a bounded number of instances and samples.
 using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
-Qos make_qos(bool lasting);
+Qos make_writer_qos(int depth);
+Qos make_reader_qos(int depth);
 /// Quality of service of a publisher or subscriber: the partition.
 Qos make_partition_qos(const std::string& run);
 
@@ -98,13 +101,13 @@ struct Encoded {
   std::vector<interply_observe_Field> fields;
   std::array<std::vector<char*>, 4> strings;
 };
-Encoded<RunHeader> encode(const RunHeader& a);
-Encoded<LayerMesh> encode(const LayerMesh& a);
-Encoded<LayerFrame> encode(const LayerFrame& a);
-Encoded<InterfaceFrame> encode(const InterfaceFrame& a);
-Encoded<ToolFrame> encode(const ToolFrame& a);
-Encoded<HistoryRow> encode(const HistoryRow& a);
-/// `run` is the key.
+/// @param run  stamp of the sample; lives as long as the result
+Encoded<RunHeader> encode(const RunHeader& a, const std::string& run);
+Encoded<LayerMesh> encode(const LayerMesh& a, const std::string& run);
+Encoded<LayerFrame> encode(const LayerFrame& a, const std::string& run);
+Encoded<InterfaceFrame> encode(const InterfaceFrame& a, const std::string& run);
+Encoded<ToolFrame> encode(const ToolFrame& a, const std::string& run);
+Encoded<HistoryRow> encode(const HistoryRow& a, const std::string& run);
 Encoded<RunEnd> encode(const RunEnd& a, const std::string& run);
 
 /// @throws std::runtime_error naming what is malformed

@@ -14,7 +14,7 @@ namespace interply::scene {
 /// A file that the scene names (scene/files.hpp).
 struct File {
   std::string path;    ///< absolute in a resolved scene
-  std::string digest;  ///< XXH3 of the content, 16 hexadecimal digits; empty until the file has been read
+  std::string digest;  ///< XXH3 of the content and all that it includes, 16 hexadecimal digits; empty until it is read
 };
 
 /// One value per fibre direction, [warp, weft].

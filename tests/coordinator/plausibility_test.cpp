@@ -93,4 +93,16 @@ TEST(Plausibility, WhatTheCulpritSaysOfItselfGoesFirst) {
   EXPECT_EQ(run.outcome.message, "layer ply_2, element 7");
 }
 
+TEST(Plausibility, ACulpritThatLeavesIsStillNamedForWhatItSent) {
+  const scene::Scene scene = test::read_flat_stack();
+  test::ScriptedLink link(scene);
+  link.everyone_joins_and_moves();
+  link.motion_of(2).position(0, 3) = kNaN;
+  link.events.push_back({.kind = exchange::Event::Kind::Suspect, .who = 2, .message = "its connection is closed"});
+  test::ScriptedRun run;
+  run.run(scene, link);
+  EXPECT_EQ(run.outcome.exit_code, 3);
+  EXPECT_THAT(run.outcome.message, HasSubstr("layer ply_2: its node 3 is at (nan, "));
+}
+
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Summary, JsonHoldsEveryNumberOfTheTextWithItsUnit) {
   EXPECT_EQ(run.sink.end.summary, run.outcome.summary_json);
   const std::string leaves = read_with_python(run.outcome.summary_json);
   const char* const expected[] = {
-      "/scene flat_stack\n", "/modelled_part half model\n", "/stroke/value 0", "/stroke/unit mm\n",
+      "/interply 0.1.0\n", "/scene flat_stack\n", "/modelled_part half model\n", "/stroke/value 0", "/stroke/unit mm\n",
       "/time/value 0.03", "/time/unit ms\n", "/steps/unit 1\n", "/wall_time/unit s\n",
       "/element_steps_per_second/unit 1/s\n", "/layers/0/name sheet_lower\n", "/layers/0/kind metal\n",
       "/layers/2/name ply_2\n", "/layers/2/kind fabric\n", "/layers/2/items/0/name shear angle \"up\" to\n",
