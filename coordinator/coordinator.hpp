@@ -39,7 +39,7 @@ struct Outcome {
   std::string message;  ///< one sentence if not done
   std::string digest;   ///< 16 hex digits of the final state of all layers, also if only the record was lost then
   std::string summary;  ///< one screen of text, without the digest line; as above
-  std::string summary_json;  ///< the same numbers, JSON
+  std::string summary_json;  ///< the same numbers with their units (proto/summary.proto); as above
   Measures measures;    ///< of a run that is done
 };
 

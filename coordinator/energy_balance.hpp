@@ -25,12 +25,19 @@ struct EnergyBalance {
   std::vector<double> layer_kinetic, layer_internal, layer_residual, interface_residual, interface_friction;
 
   double residual() const { return kinetic + internal + contact + friction + damping - thinning - external; }
-  /// What a residual is measured against: the work that went in, wherever it is now. At least 1 mJ: below, a ratio of
-  /// round-off says nothing.
-  double scale() const {
-    return std::max({std::abs(external), kinetic + internal + contact + friction + damping, 1.0});
-  }
+  /// The work that went in, wherever it is now.
+  double scale() const { return std::max(std::abs(external), kinetic + internal + contact + friction + damping); }
 };
+
+/// What a residual is measured against before the laminate has taken up more: the energies that the tools put into any
+/// laminate of this mass, however it answers. The punch sets it in motion, and what a step loses where nodes are hit is
+/// a part of their kinetic energy; the blank holder presses its contacts together. At least 1 mJ: below, a ratio of
+/// round-off says nothing.
+/// @param mass, speed       of the laminate, t; largest of the punch, mm/s
+/// @param force, stiffness  of the blank holder, N; of the stack under it, N/mm
+inline double compute_least_scale(double mass, double speed, double force, double stiffness) {
+  return std::max(1.0, 0.5 * mass * speed * speed + 0.5 * force * force / stiffness);
+}
 
 /// Sums up `b` anew; allocates nothing once its vectors have their size.
 inline void assemble_balance(const std::vector<exchange::LayerEnergies>& layers, const CoordinatorEnergies& own,

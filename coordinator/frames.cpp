@@ -65,10 +65,8 @@ Share explain_residual(const scene::Scene& scene, const EnergyBalance& balance) 
   const auto names = name_interfaces(scene);
   for (std::size_t k = 0; k < balance.interface_residual.size(); ++k)
     consider("interface " + names[k].name, balance.interface_residual[k],
-             names[k].name.ends_with("|punch")  // nodes that a fast punch hits gain or lose a part of a step
-                 ? "a longer motion.forming_time, then a smaller time.safety or a larger contact.damping"
-                 : "a smaller time.safety or time.vote_every, then a larger contact.damping or a smaller "
-                   "contact.reference_pressure");
+             "a smaller time.safety or time.vote_every, then a larger contact.damping or a smaller "
+             "contact.reference_pressure");
   return worst;
 }
 

@@ -99,6 +99,8 @@ int main(int argc, char** argv) {
     std::istringstream summary(outcome.summary);
     for (std::string line; std::getline(summary, line);)
       std::cout << "@summary " << process::to_line(line) << std::endl;
+    std::istringstream json(outcome.summary_json);  // has its own escapes
+    for (std::string line; std::getline(json, line);) std::cout << "@json " << line << '\n';
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
     std::cout.flush();
     if (!outcome.message.empty()) std::cerr << to_plain_line(outcome.message) << std::endl;

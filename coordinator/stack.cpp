@@ -1,7 +1,5 @@
 #include "coordinator/stack.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +8,6 @@
 #include "coordinator/fastest_mode.hpp"
 #include "coordinator/tool_surfaces.hpp"
 #include "coordinator/tools.hpp"
-#include "mechanics/failure.hpp"
 #include "solve/layer_mechanics.hpp"
 
 namespace interply::coordinator {
@@ -203,9 +200,6 @@ Votes Stack::collect_votes() const {
   Votes votes{.contact = find_fastest_mode(chain).increment};
   for (std::size_t i = 0; i < n; ++i) {
     const double vote = layers_[i].vote;
-    if (!(vote > 0))
-      throw mechanics::Divergence(fmt::format("layer {}: its stable increment is {} s; check the tangent of its law",
-                                              scene_.layers[i].name, vote));
     votes.layers.push_back(vote);
     chain.own[i].stiffness += 4 / (vote * vote);
   }

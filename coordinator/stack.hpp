@@ -48,7 +48,6 @@ class Stack {
   bool is_step_complete() const;
 
   /// Largest stable increments (fastest_mode.hpp): of the layers as they last said, and with what contact adds.
-  /// @throws mechanics::Divergence if a layer said what is no positive number
   Votes collect_votes() const;
 
   /// All interfaces in the order of name_interfaces(): die, between layers upwards, blank holder, punch.

@@ -16,17 +16,24 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
       pace_(scene),
       holder_(scene.tools.blank_holder, stack_.flange_area(), scene.tools.blank_holder.mass_ratio * stack_.mass(),
               stack_.stiffness()),
+      scale_(compute_least_scale(
+          stack_.mass(), stack_.punch() ? kSteepest * scene.motion.stroke / scene.motion.forming_time : 0,
+          scene.tools.blank_holder.pressure * stack_.flange_area(), stack_.stiffness())),
       layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
   energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));
   touched_.resize(energies_.interfaces.size());
+  for (int i = 0; i < stack_.n_layers(); ++i) checks_.emplace_back(scene, i, stack_.layer(i).mesh);
+}
+
+double Forming::compute_stroke(double time) const {
+  return scene_.motion.stroke * smooth_step((time - scene_.tools.blank_holder.ramp) / scene_.motion.forming_time);
 }
 
 void Forming::begin_step() {
-  const double forming = (pace_.time() - scene_.tools.blank_holder.ramp) / scene_.motion.forming_time;
-  travel_ = scene_.motion.stroke * smooth_step(forming);
+  travel_ = compute_stroke(pace_.time());
   stack_.move_tools(travel_, holder_.drift(pace_.dt()));
   stack_.begin_step();
 }

@@ -223,6 +223,28 @@ void FabricLayer::add_fibre_directions(const mechanics::NodalVectors& position,
       weft);
 }
 
+/// Sources: THEORY.md 3.
+std::vector<solve::TrustLimit> FabricLayer::trust_limits() const {
+  std::vector<solve::TrustLimit> limits{
+      {"fibre strain", "%", 4.8, "glass filaments break there"},
+      {"fibre compression", "%", 0.6, "fibres kink in bands one element wide"},
+      {"shear angle", "deg", 60, "yarns have locked and wrinkle; no shear test reaches it"}};
+  if (!own_) limits.push_back({"loss of convexity", "MPa", 0, "the law softens and its answer is not unique"});
+  return limits;
+}
+
+Eigen::ArrayXXd FabricLayer::compute_trust_quantities(const mechanics::NodalVectors& position) const {
+  Eigen::ArrayXXd quantities(own_ ? 3 : 4, shell_.n_elements());
+  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+    const FibreState s = compute_fibre_state(position, e);
+    quantities(0, e) = 100 * (std::max(s.la, s.lb) - 1);
+    quantities(1, e) = 100 * (1 - std::min(s.la, s.lb));
+    quantities(2, e) = std::abs(s.gamma) * kDegrees;
+    if (!own_) quantities(3, e) = -compute_smallest_eigenvalue(compute_potential(s));
+  }
+  return quantities;
+}
+
 std::vector<exchange::SummaryItem> FabricLayer::summarise(const mechanics::NodalVectors& position) const {
   double shear = 0, longest = 0, shortest = std::numeric_limits<double>::infinity(), beyond_cap = 0, indefinite = 0;
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {

@@ -69,6 +69,15 @@ std::vector<observe::Field> MetalLayer::compute_fields(const mechanics::NodalVec
   return fields;
 }
 
+/// Sources: THEORY.md 3.
+std::vector<solve::TrustLimit> MetalLayer::trust_limits() const {
+  return {{"thinning", "%", 25, "deep-drawing steel necks and fails there"}};
+}
+
+Eigen::ArrayXXd MetalLayer::compute_trust_quantities(const mechanics::NodalVectors&) const {
+  return 100 * (1 - thickness_.transpose() / thickness0_);
+}
+
 std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalVectors&) const {
   double von_mises = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e)

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 
 #include "coordinator/tools.hpp"
 #include "exchange/address.hpp"
@@ -109,6 +110,7 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
                                  folder.sidecar().filename().string()));
     }
     terminal.print(fmt::format("scene    {}", folder.scene().string()));
+    if (fs::exists(folder.summary())) terminal.print(fmt::format("summary  {}", folder.summary().string()));
     if (!fs::is_empty(folder.logs())) terminal.print(fmt::format("logs     {}", folder.logs().string()));
   }
   if (!result.digest.empty()) terminal.print("digest " + result.digest);
@@ -134,6 +136,8 @@ int run_command(const RunOptions& options) {
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;
   const RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
                                               : run_federated(scene, folder, run_name, address, terminal);
+  if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
+    std::ofstream(folder.summary()) << result.summary_json;
   if (result.exit_code != kDone) record::settle_record(folder.out, find_status(result.exit_code), result.message);
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;

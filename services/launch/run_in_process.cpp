@@ -169,7 +169,7 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
     outcome.exit_code = kFailed;
     outcome.message = sink->failure();
   }
-  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest};
+  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest, outcome.summary_json};
 }
 
 }  // namespace interply::launch

@@ -225,7 +225,8 @@ Encoded<RunEnd> encode(const RunEnd& a, const std::string& run) {
               .status = view(a.status),
               .message = view(a.message),
               .digest = view(a.digest),
-              .frames_complete = a.frames_complete};
+              .frames_complete = a.frames_complete,
+              .summary = view(a.summary)};
   return e;
 }
 
@@ -312,7 +313,8 @@ HistoryRow decode(const interply_observe_HistoryRow& w) {
 }
 
 RunEnd decode(const interply_observe_RunEnd& w) {
-  return {.status = w.status, .message = w.message, .digest = w.digest, .frames_complete = w.frames_complete};
+  return {.status = w.status, .message = w.message, .digest = w.digest, .frames_complete = w.frames_complete,
+          .summary = w.summary};
 }
 
 }  // namespace interply::observe

@@ -101,7 +101,7 @@ struct RunEnd {
   std::string message;  ///< one sentence
   std::string digest;   ///< final state of all layers, hex; empty unless done
   int frames_complete = 0;  ///< frames, initial one included, that every layer was told to publish
-  std::string summary;      ///< numbers of the summary, JSON; may be empty
+  std::string summary;      ///< every number of the summary with its unit (proto/summary.proto); empty unless done
 };
 
 /// Where a participant puts what may be watched. Calls never block the step for long and never throw on a lost reader.
