@@ -12,6 +12,7 @@
 #include "observe/run_sink.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
+#include "solve/watch.hpp"
 
 namespace {
 
@@ -65,14 +66,11 @@ int main(int argc, char** argv) {
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
     coordinator::check_tools(scene);
+    solve::check_network(scene);
     const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene));
     watch_signals(*link);
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
-    const auto sink = observe::make_run_sink(scene.record.frames > 0,
-                                             {.network = scene.observe.network,
-                                              .multicast = scene.observe.multicast,
-                                              .domain = scene.observe.domain,
-                                              .run = run_name},
+    const auto sink = observe::make_run_sink(scene.record.frames > 0, solve::make_dds_options(scene, run_name),
                                              scene.exchange.startup_deadline);
     const coordinator::Outcome outcome = coordinator::run(
         scene, run_name, *link, *sink,

@@ -16,6 +16,7 @@
 #include "launch/layer_factories.hpp"
 #include "launch/run.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace {
@@ -129,6 +130,7 @@ void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers
 
 int check_command(const CheckOptions& options, std::ostream& out) {
   const scene::Scene scene = scene::read_scene(options.scene, options.overrides);
+  solve::check_network(scene);
   const auto tool_warnings = coordinator::check_tools(scene);
   const double bytes_before = read_resident_bytes();
   std::vector<LayerCheck> layers;

@@ -11,6 +11,7 @@
 #include "coordinator/tools.hpp"
 #include "launch/layer_factories.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace fs = std::filesystem;
@@ -66,6 +67,7 @@ int run_command(const RunOptions& options) {
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
   check_laws(scene);
+  solve::check_network(scene);
   std::vector<std::string> warnings = scene::find_warnings(scene);
   for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);

@@ -20,6 +20,10 @@ class NullSink : public Sink {
   bool flush(double) override { return true; }
 };
 
+/// For whoever watches a run: a DdsSink; a NullSink if nothing is published or, with one warning, if DDS cannot be opened
+/// (more than 120 participants on this host, no descriptors left): who watches never holds a run.
+std::unique_ptr<Sink> make_watch_sink(bool published, const DdsOptions& options);
+
 /// A DdsSink whose recorder is listening, or a NullSink if the run keeps no record.
 /// @param deadline  s to wait for the recorder
 /// @throws std::runtime_error naming the run and how to start a recorder, if none appears in time

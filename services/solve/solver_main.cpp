@@ -10,6 +10,7 @@
 #include "observe/run_sink.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/session.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::solve {
 
@@ -43,11 +44,8 @@ void integrate_layer(const std::string& address, const std::string& layer_name, 
         " layer; start interply-solver-" +
         name_of(kind == scene::Kind::Fabric ? scene::Kind::Metal : scene::Kind::Fabric) + " for it");
   std::cout << "joined " << address << " as " << layer_name << " of run " << welcome.run << std::endl;
-  const auto sink = observe::make_run_sink(scene.record.frames > 0,
-                                           {.network = scene.observe.network,
-                                            .multicast = scene.observe.multicast,
-                                            .domain = scene.observe.domain,
-                                            .run = welcome.run},
+  check_network(scene);
+  const auto sink = observe::make_run_sink(scene.record.frames > 0, make_dds_options(scene, welcome.run),
                                            scene.exchange.startup_deadline);
   run_session(scene, layer, make_layer, *link, *sink);
 }

@@ -132,7 +132,7 @@ TEST(Recorder, KilledInMidRunLeavesEveryCompletedFrame) {
     run.put_frame(sink, k);
   }
   sink.put(run.layer_frame(0, 5));  // frame 5 stays incomplete
-  ASSERT_TRUE(wait_for_frames(folder / "record.h5", 5));
+  ASSERT_TRUE(wait_for_frames(folder / "record.h5", 5)) << recorder.log();
   recorder.send(SIGKILL);
   EXPECT_EQ(recorder.wait(), -SIGKILL);
   // h5py opens it, finds frames 0 to 4 whole and the rest not complete.
