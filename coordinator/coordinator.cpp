@@ -19,6 +19,12 @@ namespace {
 using exchange::Event;
 using exchange::StopReason;
 
+constexpr int kFramesUnderWay = 4;                  ///< ordered, and not yet in the record
+constexpr std::int64_t kBytesUnderWay = 64 << 20;  ///< these together, but one frame at least
+constexpr std::int64_t kRowsUnderWay = 100;        ///< of the history
+constexpr double kWatchers = 0.2;                  ///< s that whoever watches has for the last samples
+constexpr double kLastWords = 1.5;                 ///< s for a recorder to close the record of a run that was broken off
+
 /// Why the loop ends early; caught in run().
 struct Ended {
   StopReason reason;
@@ -31,6 +37,7 @@ class Run {
       const std::function<void(const Progress&)>& report, const std::function<void(const std::string&)>& log)
       : scene_(scene),
         link_(link),
+        sink_(sink),
         report_(report),
         log_(log),
         forming_(scene, link, sink),
@@ -38,8 +45,9 @@ class Run {
         has_ended_(scene.layers.size(), false),
         finals_(scene.layers.size()) {}
 
-  Outcome form() {
-    await_participants();
+  Outcome form(const std::string& run_name) {
+    if (!link_.expects_recorder()) put_header(run_name);
+    await_participants(run_name);
     const auto start = Waiting::Clock::now();
     form_all_steps();
     await_finals();
@@ -54,33 +62,80 @@ class Run {
             .measures = measure(end)};
   }
 
+  /// Until all frames and history rows are in the file.
+  void await_record() {
+    check_sink();
+    const auto is_behind = [&] {
+      return link_.expects_recorder() && (recorded_.frames < frames_begun_ || recorded_.rows < forming_.rows());
+    };
+    await_recorder(is_behind);
+  }
+
+  /// Once the recorder has been told of the end: until it has closed the record.
+  /// @throws Ended
+  void await_closing(double patience) {
+    if (!recorder_is_here_) return;
+    waiting_.restart();
+    while (!recorded_.closed) {
+      const Event event = link_.receive(0.1);
+      if (event.kind == Event::Kind::Recorded) recorded_ = event.recorded;
+      if (event.kind == Event::Kind::Cancelled) patience = std::min(patience, waiting_.seconds() + kLastWords);
+      if (event.who == recorder() && event.kind == Event::Kind::Failed) throw failure_of(event);
+      if (event.who == recorder() && event.kind == Event::Kind::Suspect) throw lost(event.who, event.message);
+      if (waiting_.seconds() > patience)
+        throw Ended{StopReason::Lost,
+                    fmt::format("no word from recorder for {:g} s after the end: the record may not be closed", patience)};
+      if (waiting_.is_due()) log_(fmt::format("waiting for recorder to close for {:.0f} s", waiting_.seconds()));
+    }
+  }
+
   int frames_begun() const { return frames_begun_; }
   const std::string& too_soft() const { return forming_.too_soft(); }
 
  private:
-  void await_participants() {
+  void put_header(const std::string& run_name) {
+    observe::RunHeader header = make_header(scene_, run_name);
+    for (int i = 0; i < forming_.stack().n_layers(); ++i) {
+      header.nodes.push_back(forming_.stack().layer(i).mesh.n_nodes());
+      header.elements.push_back(forming_.stack().layer(i).mesh.n_elements());
+    }
+    sink_.put(header);
+  }
+
+  void await_participants(const std::string& run_name) {
     begin_waiting();
-    while (!everyone_is_here()) {
+    while (!everyone_is_here() || recorder_is_here_ != link_.expects_recorder()) {
       const Event event = next_event();
       if (event.kind == Event::Kind::Joined) {
-        is_here_[static_cast<std::size_t>(event.who)] = true;
+        if (event.who == recorder()) {
+          recorder_is_here_ = true;
+          put_header(run_name);
+        } else {
+          is_here_[static_cast<std::size_t>(event.who)] = true;
+        }
         log_(fmt::format("{} joined (pid {} on {})", name(event.who), link_.joined(event.who).pid,
                          link_.joined(event.who).host));
       } else if (event.kind == Event::Kind::Moved) {
         early_.push_back(event.who);  // a quick one has sent its initial state already
       }
       if (waiting_.seconds() > scene_.exchange.startup_deadline)
-        throw Ended{StopReason::Lost, fmt::format("start-up deadline of {:g} s passed: joined {}; missing {}",
-                                                  scene_.exchange.startup_deadline, list(true), list(false))};
-      if (waiting_.is_due()) log_(fmt::format("waiting for {} to join for {:.0f} s", list(false), waiting_.seconds()));
+        throw Ended{StopReason::Lost, fmt::format("start-up deadline of {:g} s passed: joined {}; missing {}{}",
+                                                  scene_.exchange.startup_deadline, list(true), list(false), cure())};
+      if (waiting_.is_due())
+        log_(fmt::format("waiting for {} to join for {:.0f} s{}", list(false), waiting_.seconds(), cure()));
     }
+  }
+  std::string cure() const {
+    return recorder_is_here_ == link_.expects_recorder()
+               ? ""
+               : "; start interply-recorder --connect ADDRESS --out DIR, or the coordinator with --no-record";
   }
 
   void form_all_steps() {
     while (true) {
       const auto step_start = Waiting::Clock::now();
       const bool last = forming_.pace().is_last();
-      double waited = 0;
+      double waited = await_room_in_record();
       forming_.begin_step();
       if (forming_.pace().frame() >= 0) ++frames_begun_;
       begin_waiting();
@@ -90,7 +145,7 @@ class Run {
         const Event event = next_event();
         waited += std::chrono::duration<double>(Waiting::Clock::now() - wait_start).count();
         if (event.kind == Event::Kind::Moved) take_or_keep(event.who);
-        check_patience();
+        if (!everyone_is_here()) check_patience(list(false));
       }
       forming_.finish_step();
       if (last) return;
@@ -116,8 +171,54 @@ class Run {
     while (!everyone_is_here()) {
       next_event();
       is_here_ = has_ended_;
-      check_patience();
+      if (!everyone_is_here()) check_patience(list(false));
     }
+  }
+
+  /// Before a step with a frame or a history row: until the recorder has kept enough of the earlier ones. The layers
+  /// wait for their forces meanwhile.
+  /// @returns s
+  double await_room_in_record() {
+    const Pace& pace = forming_.pace();
+    if (pace.frame() < 0 && !pace.has_row()) return 0;
+    check_sink();
+    const auto is_behind = [&] {
+      if (!link_.expects_recorder()) return false;
+      return (pace.frame() >= 0 && pace.frame() - recorded_.frames >= frames_under_way()) ||
+             (pace.has_row() && forming_.rows() - recorded_.rows >= kRowsUnderWay);
+    };
+    if (!is_behind()) return 0;
+    await_recorder(is_behind);
+    return waiting_.seconds();
+  }
+
+  template <typename Condition>
+  void await_recorder(const Condition& is_behind) {
+    waiting_.restart();
+    while (is_behind()) {
+      const Event event = next_event();
+      if (event.kind == Event::Kind::Moved) early_.push_back(event.who);
+      if (is_behind()) check_patience(list_owing());
+    }
+  }
+
+  /// Frame 0 shows what a frame takes, and that the disk holds them all.
+  int frames_under_way() const {
+    if (recorded_.frames == 0) return 1;
+    return static_cast<int>(std::clamp<std::int64_t>(kBytesUnderWay / first_frame_bytes_, 1, kFramesUnderWay));
+  }
+
+  /// Who keeps the record waiting.
+  std::string list_owing() const {
+    std::string names;
+    for (int who = 0; who < recorder(); ++who)
+      if (link_.owes_sample(who)) names += (names.empty() ? "" : ", ") + name(who);
+    return names.empty() ? "recorder" : names;
+  }
+
+  /// A sink in this process has no other way to say so.
+  void check_sink() const {
+    if (const std::string why = sink_.failure(); !why.empty()) throw Ended{StopReason::Failed, why};
   }
 
   /// Events that end a run wherever they occur.
@@ -125,11 +226,18 @@ class Run {
     Event event = link_.receive(0.25);
     switch (event.kind) {
       case Event::Kind::Failed:
-        throw Ended{StopReason::Diverged, event.message};
+        if (event.who == recorder()) recorder_is_here_ = false;
+        throw failure_of(event);
       case Event::Kind::Cancelled:
         throw Ended{StopReason::Cancelled, event.message};
       case Event::Kind::Suspect:
+        if (event.who == recorder()) recorder_is_here_ = false;
         if (event.who >= 0) throw lost(event.who, event.message);
+        break;
+      case Event::Kind::Recorded:
+        recorded_ = event.recorded;
+        if (recorded_.frames > 0 && first_frame_bytes_ == 0)
+          first_frame_bytes_ = std::max<std::int64_t>(link_.bytes_recorded(), 1);
         break;
       case Event::Kind::Ended:  // perhaps before others have even arrived at the last step
         has_ended_[static_cast<std::size_t>(event.who)] = true;
@@ -157,16 +265,14 @@ class Run {
     throw lost(forming_.lost(), "its connection is closed");
   }
 
-  void check_patience() {
-    if (everyone_is_here()) return;
+  void check_patience(const std::string& whom) {
     if (waiting_.seconds() > scene_.exchange.wait_deadline)
-      throw Ended{StopReason::Lost, fmt::format("no word from {} at step {} for {:g} s", list(false),
-                                                forming_.pace().step(), scene_.exchange.wait_deadline)};
+      throw Ended{StopReason::Lost, fmt::format("no word from {} at step {} for {:g} s", whom, forming_.pace().step(),
+                                                scene_.exchange.wait_deadline)};
     if (!waiting_.is_due()) return;
-    log_(
-        fmt::format("waiting for {} at step {} for {:.0f} s", list(false), forming_.pace().step(), waiting_.seconds()));
+    log_(fmt::format("waiting for {} at step {} for {:.0f} s", whom, forming_.pace().step(), waiting_.seconds()));
     last_report_ = {};
-    report_progress(list(false));
+    report_progress(whom);
   }
 
   void report_progress(const std::string& waiting_for) {
@@ -197,19 +303,28 @@ class Run {
     waiting_.restart();
   }
   bool everyone_is_here() const { return std::find(is_here_.begin(), is_here_.end(), false) == is_here_.end(); }
-  const std::string& name(int who) const { return scene_.layers[static_cast<std::size_t>(who)].name; }
+  int recorder() const { return static_cast<int>(scene_.layers.size()); }
+  std::string name(int who) const {
+    return who == recorder() ? "recorder" : scene_.layers[static_cast<std::size_t>(who)].name;
+  }
   std::string list(bool here) const {
     std::string names;
     for (std::size_t i = 0; i < is_here_.size(); ++i)
       if (is_here_[i] == here) names += (names.empty() ? "" : ", ") + scene_.layers[i].name;
+    if (link_.expects_recorder() && recorder_is_here_ == here) names += (names.empty() ? "" : ", ") + name(recorder());
     return names.empty() ? "nobody" : names;
   }
   Ended lost(int who, const std::string& why) const {
     return {StopReason::Lost, fmt::format("lost {} at step {}: {}", name(who), forming_.pace().step(), why)};
   }
 
+  Ended failure_of(const Event& event) const {
+    return {event.reason, event.who == recorder() ? "recorder: " + event.message : event.message};
+  }
+
   const scene::Scene& scene_;
   exchange::CoordinatorLink& link_;
+  observe::Sink& sink_;
   const std::function<void(const Progress&)>& report_;
   const std::function<void(const std::string&)>& log_;
   Forming forming_;
@@ -220,38 +335,61 @@ class Run {
   Waiting::Clock::time_point last_report_{}, first_report_ = Waiting::Clock::now();
   double first_time_ = 0, rate_ = 0;
   int frames_begun_ = 0;
+  bool recorder_is_here_ = false;
+  exchange::Recorded recorded_;
+  std::int64_t first_frame_bytes_ = 0;  ///< with meshes; 0: not known
 };
+
+int find_exit_code(StopReason reason) {
+  switch (reason) {
+    case StopReason::Failed:
+      return 1;
+    case StopReason::Diverged:
+      return 3;
+    case StopReason::Lost:
+      return 4;
+    case StopReason::Cancelled:
+      break;
+  }
+  return 5;
+}
 
 }  // namespace
 
 Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::CoordinatorLink& link,
             observe::Sink& sink, const std::function<void(const Progress&)>& report,
             const std::function<void(const std::string&)>& log) {
-  sink.put(make_header(scene, run_name));
   Outcome outcome;
   Run run(scene, link, sink, report, log);
+  StopReason reason{};
+  const auto end_early = [&](StopReason why, const std::string& message) {
+    reason = why;
+    outcome.exit_code = find_exit_code(why);
+    outcome.message = message;
+  };
   try {
-    outcome = run.form();
+    outcome = run.form(run_name);
+    run.await_record();
   } catch (const Ended& ended) {
-    outcome.exit_code = ended.reason == StopReason::Diverged ? 3 : ended.reason == StopReason::Lost ? 4 : 5;
-    outcome.message = ended.message;
+    end_early(ended.reason, ended.message);
   } catch (const mechanics::Divergence& failure) {
-    outcome.exit_code = 3;
-    outcome.message = failure.what();
+    end_early(StopReason::Diverged, failure.what());
   }
   if (outcome.exit_code == 3 && !run.too_soft().empty()) outcome.message += "; before that, " + run.too_soft();
-  static const char* const kStatus[] = {"done", "", "", "diverged", "lost", "cancelled"};
-  if (outcome.exit_code != 0) {
-    const StopReason reason = outcome.exit_code == 3   ? StopReason::Diverged
-                              : outcome.exit_code == 4 ? StopReason::Lost
-                                                       : StopReason::Cancelled;
-    link.stop(reason, outcome.message);
-  }
+  if (outcome.exit_code != 0) link.stop(reason, outcome.message);
+  static const char* const kStatus[] = {"done", "failed", "", "diverged", "lost", "cancelled"};
+  const bool done = outcome.exit_code == 0;
   sink.put(observe::RunEnd{.status = kStatus[outcome.exit_code],
                            .message = outcome.message,
-                           .digest = outcome.digest,
-                           .frames_complete = run.frames_begun()});
-  sink.flush(outcome.exit_code == 0 ? 10 : 2);  // what was lost may be the recorder: do not wait for it for long
+                           .digest = done ? outcome.digest : "",
+                           .frames_complete = run.frames_begun(),
+                           .summary = done ? outcome.summary_json : ""});
+  try {
+    run.await_closing(done || outcome.exit_code == 3 ? scene.exchange.wait_deadline : kLastWords);
+  } catch (const Ended& ended) {
+    if (done) end_early(ended.reason, ended.message);
+  }
+  sink.flush(kWatchers);
   return outcome;
 }
 

@@ -35,14 +35,16 @@ struct Measures {
 
 /// How the run ended.
 struct Outcome {
-  int exit_code = 0;    ///< 0 done, 3 diverged, 4 lost, 5 cancelled
+  int exit_code = 0;    ///< 0 done, 1 the record cannot be written, 3 diverged, 4 lost, 5 cancelled
   std::string message;  ///< one sentence if not done
-  std::string digest;   ///< 16 hex digits of the final state of all layers
-  std::string summary;  ///< one screen of text, without the digest line
+  std::string digest;   ///< 16 hex digits of the final state of all layers, also if only the record was lost then
+  std::string summary;  ///< one screen of text, without the digest line; as above
+  std::string summary_json;  ///< the same numbers, JSON
   Measures measures;    ///< of a run that is done
 };
 
 /// Runs a scene over a link from waiting for the participants to the end. Never throws for what happens in a run.
+/// Where the link has a recorder, no frame is ordered that it cannot keep up with, and done means that the record is.
 /// `report` is called on progress, `log` with one plain line at a time ("waiting for ply_2 at step 1234 for 5 s").
 Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::CoordinatorLink& link,
             observe::Sink& sink, const std::function<void(const Progress&)>& report,

@@ -1,93 +1,120 @@
-#include <pthread.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <iostream>
+#include <new>
 #include <sstream>
-#include <thread>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/tools.hpp"
+#include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
+#include "mechanics/digest.hpp"
 #include "observe/run_sink.hpp"
+#include "observe/tee_sink.hpp"
+#include "process/signals.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
+#include "solve/link_sink.hpp"
+#include "solve/session.hpp"
 #include "solve/watch.hpp"
 
 namespace {
 
 using namespace interply;
 
+/// Bytes of a frame that no solver exceeds: positions, fields, names.
+std::int64_t limit_sample(const scene::Layer& layer, const mechanics::TriangleMesh& mesh) {
+  constexpr std::int64_t kFieldComponents = 64, kNames = 1 << 16;
+  const auto* vumat = std::get_if<scene::VumatLaw>(&layer.law);
+  const std::int64_t components = kFieldComponents + (vumat ? vumat->state_variables : 0);
+  return 8 * components * std::max(mesh.n_nodes(), mesh.n_elements()) + 256 * components + kNames;
+}
+
 std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
   std::vector<exchange::Expected> expected;
-  for (std::size_t i = 0; i < scene.layers.size(); ++i)
-    expected.push_back(
-        {.layer = scene.layers[i].name, .n_nodes = solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const mechanics::TriangleMesh mesh = solve::make_layer_mesh(scene, static_cast<int>(i));
+    expected.push_back({.layer = scene.layers[i].name,
+                        .n_nodes = mesh.n_nodes(),
+                        .largest_sample = limit_sample(scene.layers[i], mesh),
+                        .kind = solve::to_word(scene.layers[i].kind())});
+  }
   return expected;
 }
 
-/// Turns SIGINT and SIGTERM into a cancelled run. All threads must have them blocked.
-void watch_signals(exchange::CoordinatorLink& link) {
-  std::thread([&link] {
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGTERM);
-    int signal = 0;
-    while (sigwait(&set, &signal) == 0) link.cancel("interrupted");
-  }).detach();
-}
-
-void block_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+/// Free text among the lines that a launcher reads: one line, and none of those that begin with a word of ours.
+std::string to_plain_line(const std::string& text) {
+  const std::string line = process::to_line(text);
+  return line.starts_with('@') ? "\\x40" + line.substr(1) : line;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Hosts contact, tools and time of one run and waits for its solvers.\n"
+      "Hosts contact, tools and time of one run and waits for its solvers and its recorder.\n"
       "Example: interply-coordinator --bind tcp://127.0.0.1:7100 --scene scene.yaml --run test"};
-  std::string address, scene_file, run_name = "run";
+  std::string address, scene_file, digest, run_name = "run";
   std::vector<std::string> overrides;
+  bool no_record = false;
   app.add_option(
          "--bind", address,
          "address to listen on: shm://PATH (one host, the fastest), ipc://PATH or tcp://HOST:PORT (port * chooses one)")
       ->required();
   app.add_option("--scene", scene_file, "scene file")->required();
   app.add_option("--set", overrides, "path=value that overrides a key of the scene");
-  app.add_option("--run", run_name, "unique name of this run; recorders and monitors use it");
+  app.add_option("--scene-digest", digest, "digest that the resolved scene must have, 16 hexadecimal digits");
+  app.add_option("--run", run_name, "name of this run; monitors use it");
+  app.add_flag("--no-record", no_record, "do not wait for a recorder (nor without frames: record.frames=0)");
   CLI11_PARSE(app, argc, argv);
-  block_signals();
+  ::umask(0077);
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
+  process::EndRequests requests(5);
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
+    if (!digest.empty() && digest != mechanics::to_hex(scene.digest))
+      throw scene::SceneError(fmt::format("{}: is not the scene that this run was started with (digest {} instead of {}): "
+                                          "somebody has changed it meanwhile; start the run again",
+                                          scene_file, mechanics::to_hex(scene.digest), digest));
     coordinator::check_tools(scene);
     solve::check_network(scene);
-    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene));
-    watch_signals(*link);
+    const bool keeps_record = scene.record.frames > 0 && !no_record;
+    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene),
+                                            exchange::ArraysBy::Mailbox, keeps_record);
+    requests.tell([&](const std::string& why) { link->cancel(why); });
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
-    const auto sink = observe::make_run_sink(scene.record.frames > 0, solve::make_dds_options(scene, run_name),
-                                             scene.exchange.startup_deadline);
+    observe::TeeSink sink(std::make_unique<solve::LinkSink<exchange::CoordinatorLink>>(*link),
+                          observe::make_watch_sink(scene.record.frames > 0, solve::make_dds_options(scene, run_name)));
     const coordinator::Outcome outcome = coordinator::run(
-        scene, run_name, *link, *sink,
+        scene, run_name, *link, sink,
         [](const coordinator::Progress& p) {
-          std::cout << "@progress " << coordinator::format_progress(p) << std::endl;
+          std::cout << "@progress " << process::to_line(coordinator::format_progress(p)) << std::endl;
         },
-        [](const std::string& line) { std::cout << line << std::endl; });
-    if (!outcome.message.empty()) std::cerr << outcome.message << std::endl;
+        [](const std::string& line) { std::cout << to_plain_line(line) << std::endl; });
     std::istringstream summary(outcome.summary);
-    for (std::string line; std::getline(summary, line);) std::cout << "@summary " << line << '\n';
+    for (std::string line; std::getline(summary, line);)
+      std::cout << "@summary " << process::to_line(line) << std::endl;
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
+    std::cout.flush();
+    if (!outcome.message.empty()) std::cerr << to_plain_line(outcome.message) << std::endl;
+    requests.forget();
+    process::end_within(process::kGrace, outcome.exit_code);  // whatever closing the links waits for
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {
     std::cerr << e.what() << std::endl;
     return 2;
+  } catch (const exchange::BadAddress& e) {
+    std::cerr << "--bind: " << e.what() << std::endl;
+    return 2;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "there is not enough memory" << std::endl;
+    return 1;
   } catch (const std::exception& e) {
     std::cerr << e.what() << std::endl;
-    return 4;
+    return 1;
   }
 }

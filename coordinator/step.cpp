@@ -160,6 +160,7 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.coordinator_step_seconds = std::exchange(own_step_sum_, 0.0) / steps;
   row.coordinator_wait_seconds = std::exchange(own_wait_sum_, 0.0) / steps;
   steps_since_row_ = 0;
+  ++rows_;
   sink_.put(row);
 }
 

@@ -28,6 +28,7 @@ class Forming {
   /// Energies of the final state, once every layer has sent its Final.
   EnergyBalance balance_end(const std::vector<exchange::Final>& finals) const;
   void put_history_row(const EnergyBalance& balance);
+  std::int64_t rows() const { return rows_; }  ///< of the history, put so far
 
   const Pace& pace() const { return pace_; }
   const Stack& stack() const { return stack_; }
@@ -77,7 +78,7 @@ class Forming {
   double penetration_99_ = 0, penetration_peak_ = 0;
   std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s
   double own_step_sum_ = 0, own_wait_sum_ = 0;
-  std::int64_t steps_since_row_ = 0;
+  std::int64_t steps_since_row_ = 0, rows_ = 0;
   int lost_ = -1;
   std::string too_soft_;
 };

@@ -219,6 +219,8 @@ std::vector<exchange::SummaryItem> FabricLayer::summarise(const mechanics::Nodal
   std::vector<exchange::SummaryItem> items{{"shear angle up to", "deg", shear * kDegrees},
                                            {"fibre strain up to", "%", 100 * (longest - 1)},
                                            {"down to", "%", 100 * (shortest - 1)}};
+  if (own_ && own_->largest_stress_33() > 0)
+    items.push_back({"not plane stress: stress 33 up to", "MPa", own_->largest_stress_33()});
   if (own_) return items;
   const double n = static_cast<double>(shell_.n_elements());
   items.push_back({"elements beyond cap", "%", 100 * beyond_cap / n});

@@ -46,6 +46,7 @@ class VumatMembrane {
   void add_fields(std::vector<observe::Field>& fields) const;
   /// "the vumat returned the stress ..."
   std::string describe_response(Eigen::Index e) const;
+  double largest_stress_33() const { return points_.largest_stress_33(); }
   void add_state_to(mechanics::Digest& digest) const { points_.add_state_to(digest); }
 
  private:

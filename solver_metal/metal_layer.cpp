@@ -134,17 +134,30 @@ SheetAdvance MetalLayer::advance_own(Eigen::Index begin, Eigen::Index end) {
   const mechanics::ShellGeometry& geometry = shell_.geometry();
   mechanics::ShellPasses& passes = shell_.passes();
   SheetAdvance result;
-  for (Eigen::Index e = begin; e < end; ++e) {
-    const mechanics::SurfaceGradient g = passes.facet(e);
-    const auto k = mechanics::compute_curvature(geometry, passes, shell_.edges().angle(), e);
-    const ElementShape now{
-        {g.f1.squaredNorm(), g.f2.squaredNorm(), g.f1.dot(g.f2)}, {k.k11, k.k22, k.k12}, g.area_ratio};
-    const Resultants r = advance_own_element(e, now, result.work);
-    store(passes.membrane, 0, e, geometry.area(e) * r.force);
-    mechanics::store_moments(geometry, k, r.moment.m11, r.moment.m22, r.moment.m12, e, passes);
-    if (!(thickness_(e) > 0 && std::isfinite(thickness_(e)))) {
-      result.bad = e;
-      return result;
+  std::array<OwnStep, solve::kVumatBlock> steps;
+  for (Eigen::Index first = begin; first < end; first += solve::kVumatBlock) {
+    const Eigen::Index last = std::min<Eigen::Index>(end, first + solve::kVumatBlock);
+    for (Eigen::Index e = first; e < last; ++e) {
+      const mechanics::SurfaceGradient g = passes.facet(e);
+      const auto k = mechanics::compute_curvature(geometry, passes, shell_.edges().angle(), e);
+      OwnStep& step = steps[static_cast<std::size_t>(e - first)];
+      step.now = {{g.f1.squaredNorm(), g.f2.squaredNorm(), g.f1.dot(g.f2)}, {k.k11, k.k22, k.k12}, g.area_ratio};
+      const Symmetric2 metric = load(metric_, 0, e);
+      const ElementShape before{metric, load(curvature_, 0, e), std::sqrt(metric.determinant())};
+      step.area_ratio_before = before.area_ratio;
+      step.strain = compute_strain_increment(before, step.now, thickness_(e));
+      own_->set_increment(e, step.now, step.strain, thickness_(e));
+    }
+    own_->advance(first, last);
+    for (Eigen::Index e = first; e < last; ++e) {
+      const auto k = mechanics::compute_curvature(geometry, passes, shell_.edges().angle(), e);
+      const Resultants r = take_own_element(e, steps[static_cast<std::size_t>(e - first)], result.work);
+      store(passes.membrane, 0, e, geometry.area(e) * r.force);
+      mechanics::store_moments(geometry, k, r.moment.m11, r.moment.m22, r.moment.m12, e, passes);
+      if (!(thickness_(e) > 0 && std::isfinite(thickness_(e)))) {
+        result.bad = e;
+        return result;
+      }
     }
   }
   return result;
@@ -154,33 +167,28 @@ J2Point MetalLayer::load_point(int i, Eigen::Index e) const {
   return {load(stress_, 3 * i, e), plastic_strain_(i, e), {yield_stress_(i, e), yield_slope_(i, e)}};
 }
 
-Resultants MetalLayer::advance_own_element(Eigen::Index e, const ElementShape& now, double& work) {
-  const Symmetric2 metric = load(metric_, 0, e);
-  const ElementShape before{metric, load(curvature_, 0, e), std::sqrt(metric.determinant())};
+Resultants MetalLayer::take_own_element(Eigen::Index e, const OwnStep& step, double& work) {
   const double thickness_before = thickness_(e);
-  const StrainIncrement de = compute_strain_increment(before, now, thickness_before);
-
-  own_->advance(e, now, de, thickness_before);
   Symmetric2 mean, moment;
   double thickness_strain = 0, stress_work = 0;
   for (int i = 0; i < rule_.size(); ++i) {
     const double w = rule_.weight[i], xi = rule_.point[i];
     const Symmetric2 stress_before = load(stress_, 3 * i, e);
     Symmetric2 stress;
-    thickness_strain += w * own_->take(i, stress);
-    stress_work += w * 0.5 * contract(stress_before + stress, de.membrane + xi * de.bending);
+    thickness_strain += w * own_->take(e, i, stress);
+    stress_work += w * 0.5 * contract(stress_before + stress, step.strain.membrane + xi * step.strain.bending);
     mean = mean + w * stress;
     moment = moment + (w * xi) * stress;
     store(stress_, 3 * i, e, stress);
   }
-  if (own_->is_still()) return compute_resultants(now, thickness_before, mean, moment);
+  if (own_->is_still()) return compute_resultants(step.now, thickness_before, mean, moment);
   const double thickness = thickness_before * std::exp(thickness_strain);
-  work += 0.5 * shell_.geometry().area(e) * (before.area_ratio * thickness_before + now.area_ratio * thickness) *
-          stress_work;
+  work += 0.5 * shell_.geometry().area(e) *
+          (step.area_ratio_before * thickness_before + step.now.area_ratio * thickness) * stress_work;
   thickness_(e) = thickness;
-  store(metric_, 0, e, now.metric);
-  store(curvature_, 0, e, now.curvature);
-  return compute_resultants(now, thickness, mean, moment);
+  store(metric_, 0, e, step.now.metric);
+  store(curvature_, 0, e, step.now.curvature);
+  return compute_resultants(step.now, thickness, mean, moment);
 }
 
 double MetalLayer::compute_stable_increment(const mechanics::NodalVectors&) {

@@ -44,8 +44,14 @@ class MetalLayer : public solve::LayerMechanics {
   J2Point load_point(int i, Eigen::Index e) const;
   /// Second pass of an own law; as SheetAdvance of metal_kernels.hpp.
   SheetAdvance advance_own(Eigen::Index begin, Eigen::Index end);
-  /// Stress, thickness and resultants of one of its elements; adds its stress work to `work`.
-  Resultants advance_own_element(Eigen::Index e, const ElementShape& now, double& work);
+  /// One element's way through advance_own().
+  struct OwnStep {
+    ElementShape now;
+    double area_ratio_before = 1;
+    StrainIncrement strain;
+  };
+  /// Stress, thickness and resultants of an element whose points have advanced; adds its stress work to `work`.
+  Resultants take_own_element(Eigen::Index e, const OwnStep& step, double& work);
   /// @throws mechanics::Divergence  says why element `e` cannot go on
   [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 

@@ -77,6 +77,8 @@ std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalV
   if (!own_) items.push_back({"plastic strain up to", "1", plastic_strain_.maxCoeff()});
   items.push_back({"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)});
   items.push_back({"von Mises stress up to", "MPa", von_mises});
+  if (own_ && own_->largest_stress_33() > 0)
+    items.push_back({"not plane stress: stress 33 up to", "MPa", own_->largest_stress_33()});
   return items;
 }
 

@@ -31,9 +31,9 @@ VumatSection::VumatSection(const scene::Layer& layer, const ThicknessRule& rule,
       rule_(rule),
       nodes_(mesh.triangles),
       area_(mechanics::compute_areas(mesh)),
-      points_(std::get<scene::VumatLaw>(layer.law), layer.name, layer.density, mesh.n_elements() * rule.size()),
+      points_(std::get<scene::VumatLaw>(layer.law), layer.name, layer.density, mesh.n_elements(), rule.size()),
       increments_(static_cast<std::size_t>(points_.size())),
-      old_thickness_(static_cast<std::size_t>(rule.size()), 1.0) {
+      old_thickness_(static_cast<std::size_t>(points_.size()), 1.0) {
   for (auto& increment : increments_) increment.stretch.setIdentity();
   begin(mesh.reference, {});
 }
@@ -44,52 +44,65 @@ void VumatSection::begin(const mechanics::NodalVectors& position, const solve::I
     mechanics::Vector3 centre = mechanics::Vector3::Zero();
     for (int k = 0; k < 3; ++k) centre += mechanics::at(position, nodes_(k, e)) / 3;
     for (int i = 0; i < rule_.size(); ++i) {
-      auto& at = increments_[static_cast<std::size_t>(first(e) + i)];
+      auto& at = increments_[static_cast<std::size_t>(point(e, i))];
       at.position = centre;
       at.length = std::sqrt(area_(e) * at.stretch.determinant());
     }
   }
 }
 
-void VumatSection::advance(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness) {
-  element_ = e;
-  auto* increments = &increments_[static_cast<std::size_t>(first(e))];
+void VumatSection::set_increment(Eigen::Index e, const ElementShape& now, const StrainIncrement& de,
+                                 double thickness) {
   for (int i = 0; i < rule_.size(); ++i) {
     const double xi = rule_.point[static_cast<std::size_t>(i)], z = 0.5 * thickness * xi;
-    const mechanics::Matrix2 old = points_.stretch(first(e) + i);
-    auto increment = solve::compute_vumat_increment(old, to_matrix(now.metric - (2 * z) * now.curvature));
+    const Eigen::Index p = point(e, i);
+    auto& at = increments_[static_cast<std::size_t>(p)];
+    auto increment = solve::compute_vumat_increment(points_.stretch(p), to_matrix(now.metric - (2 * z) * now.curvature));
     increment.strain = to_matrix(de.membrane + xi * de.bending);
-    increment.position = increments[i].position;
-    increment.length = increments[i].length;
-    increments[i] = increment;
-    old_thickness_[static_cast<std::size_t>(i)] = points_.response(first(e) + i).thickness_stretch;
+    increment.position = at.position;
+    increment.length = at.length;
+    at = increment;
+    old_thickness_[static_cast<std::size_t>(p)] = points_.response(p).thickness_stretch;
   }
-  is_still() ? points_.rehearse(first(e), rule_.size(), increments, now_)
-             : points_.advance(first(e), rule_.size(), increments, now_);
 }
 
-double VumatSection::take(int i, Symmetric2& stress) const {
-  const auto [sigma, thickness] = points_.response(first(element_) + i);
+void VumatSection::advance(Eigen::Index begin, Eigen::Index end) {
+  const int n = static_cast<int>(end - begin);
+  for (int i = 0; i < rule_.size(); ++i) {
+    const Eigen::Index first = point(begin, i);
+    const auto* increments = &increments_[static_cast<std::size_t>(first)];
+    is_still() ? points_.rehearse(first, n, increments, now_) : points_.advance(first, n, increments, now_);
+  }
+}
+
+double VumatSection::take(Eigen::Index e, int i, Symmetric2& stress) const {
+  const Eigen::Index p = point(e, i);
+  const auto [sigma, thickness] = points_.response(p);
   stress = {sigma(0, 0), sigma(1, 1), sigma(0, 1)};
   if (!sigma.allFinite()) return NAN;
-  return std::log(thickness / old_thickness_[static_cast<std::size_t>(i)]);
+  return std::log(thickness / old_thickness_[static_cast<std::size_t>(p)]);
 }
 
 double VumatSection::initial_modulus_bound() const { return compute_isotropic_bound(points_.initial_tangent()); }
 
 double VumatSection::compute_modulus_bound() {
   double bound = initial_modulus_bound();
-  std::vector<Eigen::Matrix3d> tangents(static_cast<std::size_t>(rule_.size()));
-  for (Eigen::Index e = 0; e < area_.size(); ++e) {
-    points_.compute_tangents(first(e), rule_.size(), &increments_[static_cast<std::size_t>(first(e))], now_,
-                             tangents.data());
-    for (const Eigen::Matrix3d& tangent : tangents) {
-      if (!tangent.allFinite())
-        throw mechanics::Divergence(fmt::format(
-            "layer {}, element {}, t = {:.6g} s: the vumat answers small strains with stiffnesses that are not finite; "
-            "check law.vumat.parameters, or lower time.safety",
-            name_, e, now_.time));
-      bound = std::max(bound, compute_isotropic_bound(tangent));
+  std::vector<Eigen::Matrix3d> tangents(solve::kVumatBlock);
+  const Eigen::Index n_elements = area_.size();
+  for (int i = 0; i < rule_.size(); ++i) {
+    for (Eigen::Index begin = 0; begin < n_elements; begin += solve::kVumatBlock) {
+      const int n = static_cast<int>(std::min<Eigen::Index>(solve::kVumatBlock, n_elements - begin));
+      const Eigen::Index first = point(begin, i);
+      points_.compute_tangents(first, n, &increments_[static_cast<std::size_t>(first)], now_, tangents.data());
+      for (int k = 0; k < n; ++k) {
+        const Eigen::Matrix3d& tangent = tangents[static_cast<std::size_t>(k)];
+        if (!tangent.allFinite())
+          throw mechanics::Divergence(fmt::format(
+              "layer {}, element {}, t = {:.6g} s: the vumat answers small strains with stiffnesses that are not "
+              "finite; check law.vumat.parameters, or lower time.safety",
+              name_, begin + k, now_.time));
+        bound = std::max(bound, compute_isotropic_bound(tangent));
+      }
     }
   }
   return bound;
@@ -103,7 +116,7 @@ void VumatSection::add_fields(std::vector<observe::Field>& fields) const {
                          .description = "state variable of the vumat at the midsurface, in its own unit",
                          .values = {}};
     for (Eigen::Index e = 0; e < area_.size(); ++e)
-      field.values.push_back(0.5 * (points_.state(v, first(e) + low) + points_.state(v, first(e) + high)));
+      field.values.push_back(0.5 * (points_.state(v, point(e, low)) + points_.state(v, point(e, high))));
     fields.push_back(std::move(field));
   }
 }

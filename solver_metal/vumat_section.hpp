@@ -10,7 +10,7 @@
 
 namespace interply::metal {
 
-/// The points of one element are one call. The reference frame has e1 along the rolling direction. A point at height z
+/// Elements are called together, section point by section point from the bottom. The reference frame has e1 along the rolling direction. A point at height z
 /// gets the strain increment of the shell (E1), and as stretch U = sqrt(C - 2 z kappa).
 class VumatSection {
  public:
@@ -22,11 +22,13 @@ class VumatSection {
   void begin(const mechanics::NodalVectors& position, const solve::Instant& now);
   bool is_still() const { return now_.dt == 0; }
 
-  /// Advances all points of element `e`. @param thickness  before, mm
-  void advance(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness);
-  /// Hands over the stress of point i of the element last advanced, MPa.
-  /// @return its thickness strain increment; not finite if the law failed
-  double take(int i, Symmetric2& stress) const;
+  /// What element e does next at all its points. @param thickness  before, mm
+  void set_increment(Eigen::Index e, const ElementShape& now, const StrainIncrement& de, double thickness);
+  /// Advances all points of the elements [begin, end), at most kVumatBlock, by that.
+  void advance(Eigen::Index begin, Eigen::Index end);
+  /// Hands over the stress of point i of element e, MPa.
+  /// @return its thickness strain increment in the last advance(); not finite if the law failed
+  double take(Eigen::Index e, int i, Symmetric2& stress) const;
 
   /// d sigma / d(e11, e22, 2 e12) of the undeformed law, MPa.
   const Eigen::Matrix3d& initial_tangent() const { return points_.initial_tangent(); }
@@ -38,20 +40,20 @@ class VumatSection {
 
   /// Adds state_1, state_2, ... at the midsurface.
   void add_fields(std::vector<observe::Field>& fields) const;
+  double largest_stress_33() const { return points_.largest_stress_33(); }
   void add_state_to(mechanics::Digest& digest) const { points_.add_state_to(digest); }
 
  private:
-  Eigen::Index first(Eigen::Index e) const { return e * rule_.size(); }
+  Eigen::Index point(Eigen::Index e, int i) const { return i * area_.size() + e; }
 
   std::string name_;
   ThicknessRule rule_;
   mechanics::Triangles nodes_;  // [3 x n_el]
   mechanics::Scalars area_;     // reference [n_el] mm2
   solve::VumatPoints points_;
-  std::vector<solve::VumatIncrement> increments_;  // of the last evaluation [n_el x points]
-  std::vector<double> old_thickness_;              // F33 of the element last advanced [points]
+  std::vector<solve::VumatIncrement> increments_;  // of the last evaluation [n_points x n_el]
+  std::vector<double> old_thickness_;              // F33 before it [n_points x n_el]
   solve::Instant now_;
-  Eigen::Index element_ = 0;  // last advanced
 };
 
 }  // namespace interply::metal

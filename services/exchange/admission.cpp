@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "process/words.hpp"
+
 namespace interply::exchange {
 
 namespace {
@@ -29,12 +31,7 @@ std::size_t compute_distance(const std::string& a, const std::string& b) {
 }
 
 /// What a peer wrote, fit for a log line: short and printable.
-std::string quote(const std::string& text) {
-  std::string out = text.substr(0, 64);
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return '"' + out + '"';
-}
+std::string quote(const std::string& text) { return '"' + process::to_line(text, 64) + '"'; }
 
 }  // namespace
 
@@ -42,7 +39,9 @@ std::string describe(const Join& join) {
   return fmt::format("{} (process {} on {})", join.layer, join.pid, join.host.empty() ? "this host" : join.host);
 }
 
-Admission::Admission(std::uint64_t scene_digest, std::vector<Expected> expected) : scene_digest_(scene_digest) {
+Admission::Admission(std::uint64_t scene_digest, std::vector<Expected> expected, bool recorder)
+    : scene_digest_(scene_digest), recorder_(recorder) {
+  if (recorder) expected.push_back({.layer = "recorder"});
   for (Expected& e : expected) {
     seats_.emplace_back();
     seats_.back().expected = std::move(e);
@@ -55,25 +54,40 @@ std::int64_t Admission::largest_layer() const {
   return largest;
 }
 
+std::int64_t Admission::largest_sample() const {
+  std::int64_t largest = 0;
+  for (const Seat& s : seats_) largest = std::max(largest, s.expected.largest_sample);
+  return largest;
+}
+
 std::string Admission::find_nearest(const std::string& layer) const {
-  const auto nearest = std::min_element(seats_.begin(), seats_.end(), [&](const Seat& a, const Seat& b) {
-    return compute_distance(layer, a.expected.layer) < compute_distance(layer, b.expected.layer);
-  });
-  return nearest == seats_.end() ? "" : nearest->expected.layer;
+  const auto nearest =
+      std::min_element(seats_.begin(), seats_.begin() + n_layers(), [&](const Seat& a, const Seat& b) {
+        return compute_distance(layer, a.expected.layer) < compute_distance(layer, b.expected.layer);
+      });
+  return n_layers() == 0 ? "" : nearest->expected.layer;
 }
 
 Admission::Verdict Admission::judge(const Join& join) {
   const auto refuse = [&](const std::string& why) {
-    return Verdict{-1, fmt::format("layer {} may not join: {}", quote(join.layer), why)};
+    const std::string name = join.records ? "the recorder" : "layer " + quote(join.layer);
+    return Verdict{-1, fmt::format("{} may not join: {}", name, why)};
   };
   if (join.version != kVersion)
     return refuse(fmt::format("it runs interply {}, the coordinator {}: start all processes from one build",
                               quote(join.version), kVersion));
   if (join.layer.size() > 256) return refuse("its name is longer than 256 characters");
-  const auto found =
-      std::find_if(seats_.begin(), seats_.end(), [&](const Seat& s) { return s.expected.layer == join.layer; });
-  if (found == seats_.end())
+  if (join.records && !recorder_)
+    return refuse("this run keeps no record; set record.frames and leave --no-record out for one");
+  const auto layers_end = seats_.begin() + n_layers();
+  const auto found = join.records ? layers_end : std::find_if(seats_.begin(), layers_end, [&](const Seat& s) {
+    return s.expected.layer == join.layer;
+  });
+  if (!join.records && found == layers_end)
     return refuse(fmt::format("the scene has no such layer, the nearest is {}", quote(find_nearest(join.layer))));
+  if (const std::string& kind = found->expected.kind; !join.records && join.kind != kind)
+    return refuse(fmt::format("it is a {} layer and this solver computes {}: start interply-solver-{} for it", kind,
+                              quote(join.kind), kind));
   if (join.scene_digest != 0 && join.scene_digest != scene_digest_)
     return refuse(
         fmt::format("its scene has digest {:016x}, the coordinator's {:016x}: give all processes the same "
@@ -82,12 +96,15 @@ Admission::Verdict Admission::judge(const Join& join) {
   if (found->stage != Stage::Awaited) return refuse(fmt::format("it has joined before as {}", describe(found->join)));
   if (!closed_.empty()) return refuse(fmt::format("the run is stopping: {}", closed_));
   found->join = join;
+  found->join.layer = found->expected.layer;
+  found->join.host = process::to_line(join.host, 64);
   found->stage = Stage::Active;
   return {static_cast<int>(found - seats_.begin()), ""};
 }
 
 std::string Admission::judge_motion(int who, std::int64_t step, std::int64_t n_nodes, std::int64_t n_thickness) {
   Seat& s = seat(who);
+  if (who == recorder()) return "sent a motion, which is a layer's to send";
   if (s.stage != Stage::Active || s.last) return fmt::format("sent a motion of step {} after its end", step);
   if (s.step >= 0 && !s.answered)
     return fmt::format("sent a motion of step {} while its step {} is not answered", step, s.step);
@@ -114,6 +131,22 @@ std::string Admission::judge_final(int who) {
 std::string Admission::judge_failure(int who) {
   if (seat(who).stage != Stage::Active) return "sent a failure after its end";
   seat(who).stage = Stage::Failed;
+  return {};
+}
+
+std::string Admission::judge_sample(int who, const Sample& sample) const {
+  const Seat& s = seat(who);
+  if (s.stage != Stage::Active || !recorder_ || who == recorder()) return "sent a sample that nobody waits for";
+  if (sample.layer != s.expected.layer) return fmt::format("sent a sample of layer {}", quote(sample.layer));
+  if (static_cast<std::int64_t>(sample.payload.size()) > s.expected.largest_sample)
+    return fmt::format("sent a sample of {} bytes, more than the {} that the scene gives it", sample.payload.size(),
+                       s.expected.largest_sample);
+  return {};
+}
+
+std::string Admission::judge_recorded(int who, bool closed) {
+  if (who != recorder() || !is_active(who)) return "sent a message that only a recorder sends";
+  if (closed) seat(who).stage = Stage::Ended;
   return {};
 }
 

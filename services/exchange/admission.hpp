@@ -15,20 +15,24 @@ namespace interply::exchange {
 /// One line for a peer in messages: `ply_2 (process 4711 on host)`.
 std::string describe(const Join& join);
 
-/// Keeps one seat per expected layer. Every judge_ function either accepts a message and takes note of it, or returns
+/// Keeps one seat per expected layer, and the last one for the recorder if there is one. Every judge_ function either accepts a message and takes note of it, or returns
 /// the sentence of the refusal (empty: accepted) and changes nothing.
 class Admission {
  public:
-  Admission(std::uint64_t scene_digest, std::vector<Expected> expected);
+  Admission(std::uint64_t scene_digest, std::vector<Expected> expected, bool recorder = false);
 
   int size() const { return static_cast<int>(seats_.size()); }
+  int n_layers() const { return size() - (recorder_ ? 1 : 0); }
+  /// Seat of the recorder, -1: the run has none.
+  int recorder() const { return recorder_ ? n_layers() : -1; }
   const Join& join(int who) const { return seat(who).join; }
   /// Joined, and neither ended, failed nor lost.
   bool is_active(int who) const { return seat(who).stage == Stage::Active; }
-  /// Most nodes of any layer.
+  /// Most nodes of any layer; most bytes of a sample.
   std::int64_t largest_layer() const;
+  std::int64_t largest_sample() const;
 
-  /// Version, layer name, scene digest (0: it takes ours), first of its name.
+  /// Version, layer name, kind of solver, scene digest (0: it takes ours), first of its name.
   /// @returns the seat, or the refusal
   struct Verdict {
     int who = -1;
@@ -42,6 +46,10 @@ class Admission {
   /// A Final is accepted after an answer with `last`.
   std::string judge_final(int who);
   std::string judge_failure(int who);
+  /// A Sample is accepted from a layer for itself, while it takes part.
+  std::string judge_sample(int who, const Sample& sample) const;
+  /// `closed` is the recorder's last word.
+  std::string judge_recorded(int who, bool closed);
 
   /// Checks the coordinator's own answer. False if the participant is not there any more.
   /// @throws std::logic_error for a step that was not asked for or an array of another size
@@ -67,6 +75,7 @@ class Admission {
 
   std::uint64_t scene_digest_;
   std::vector<Seat> seats_;
+  bool recorder_;
   std::optional<std::int64_t> first_step_;
   std::string closed_;
 };

@@ -1,10 +1,14 @@
 /// The lock-step link between a layer's process and the coordinator: one message per participant and direction per
 /// step. Implementations: in_process.hpp (queues in one process) and zeromq.hpp (shm, ipc or tcp). Same calls, same
-/// bits.
+/// bits. Beside it the way of the record: samples from solvers and coordinator to the one recorder of a run, which
+/// says what is in its file; so nothing reaches a record but from a participant, and nothing is dropped.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -30,6 +34,8 @@ struct Join {
   std::string layer;
   int pid = 0;
   std::string host;
+  std::string kind;      ///< of layers that this solver computes: "fabric" or "metal"
+  bool records = false;  ///< it is the recorder: `layer` and `kind` have no meaning
 };
 
 /// Coordinator -> solver, the answer to Join. A solver started by hand needs nothing else: address and layer name
@@ -75,10 +81,24 @@ struct Final {
   std::vector<SummaryItem> summary;
 };
 
-/// Why a run ends before its time.
-enum class StopReason { Diverged, Lost, Cancelled };
+/// Bytes for the recorder (observe/sample.hpp), which the exchange does not look into.
+struct Sample {
+  std::string layer;  ///< of the solver that sent it, as it has joined; empty: the coordinator's own
+  int frame = -1;     ///< that it belongs to; -1: none
+  std::span<const std::byte> payload;
+};
 
-/// Thrown by a solver's link.
+/// Recorder -> coordinator: what is in its file.
+struct Recorded {
+  int frames = 0;         ///< 0 ... frames - 1, from all participants
+  std::int64_t rows = 0;  ///< of the history
+  bool closed = false;    ///< after the run's end: the record is closed
+};
+
+/// Why a run ends before its time.
+enum class StopReason { Diverged, Lost, Cancelled, Failed };
+
+/// Thrown by the link of a solver or a recorder.
 class Refused : public std::runtime_error {  ///< the coordinator's sentence
   using runtime_error::runtime_error;
 };
@@ -106,6 +126,26 @@ class SolverLink {
   virtual void send(const Final& final) = 0;
   /// Says why this solver cannot go on (mechanics diverged), then waits briefly until it is delivered.
   virtual void send_failure(const std::string& message) = 0;
+  /// For the recorder, if the run has one.
+  virtual void send(const Sample& /*sample*/) {}
+  /// Before leaving: waits until the coordinator has taken the Final and all before it, at most `deadline` s.
+  /// @throws Stopped, CoordinatorLost
+  virtual void wait_until_received(double /*deadline*/) {}
+};
+
+/// The recorder's end.
+class RecorderLink {
+ public:
+  virtual ~RecorderLink() = default;
+  /// As a solver's.
+  virtual Welcome join(const Join& join, double deadline) = 0;
+  /// The next sample, in the order in which each participant sent its own; nothing after `timeout` s. Its payload is
+  /// valid until the next call. @throws CoordinatorLost
+  virtual std::optional<Sample> receive(double timeout) = 0;
+  virtual void send(const Recorded& recorded) = 0;
+  /// Says why the record cannot go on (Failed: the disk; Lost: what a participant sent), then waits briefly until it is
+  /// delivered.
+  virtual void send_failure(StopReason reason, const std::string& message) = 0;
 };
 
 /// What happened at the coordinator's end.
@@ -115,20 +155,25 @@ struct Event {
     Joined,    ///< participant `who` was accepted (all checks done by the link)
     Moved,     ///< `motion(who)` holds a new Motion
     Ended,     ///< `final` of participant `who` arrived
-    Failed,    ///< participant `who` diverged: `message`
+    Failed,    ///< participant `who` cannot go on: `reason`, `message`
+    Recorded,  ///< news of the recorder: `recorded`
     Suspect,   ///< a connection was lost (whose is not known unless who >= 0): check who is silent
     Cancelled  ///< interrupt: `message`
   };
   Kind kind = Kind::None;
-  int who = -1;  ///< index into Expected, -1 unknown
+  int who = -1;  ///< index into Expected, -1 unknown; the recorder's is the number of layers
   std::string message;
   Final final;
+  StopReason reason = StopReason::Diverged;
+  Recorded recorded;
 };
 
 /// Who may join: one entry per layer in scene order.
 struct Expected {
   std::string layer;
-  std::int64_t n_nodes = 0;  ///< every Motion of this layer must hold so many nodes
+  std::int64_t n_nodes = 0;         ///< every Motion of this layer must hold so many nodes
+  std::int64_t largest_sample = 0;  ///< bytes; no Sample of this layer is larger
+  std::string kind{};               ///< of the layer, as in Join
 };
 
 /// The coordinator's end. Checks every message at the edge; a stranger, a duplicate, a wrong version, digest or layer
@@ -147,6 +192,15 @@ class CoordinatorLink {
   virtual void stop(StopReason reason, const std::string& message) = 0;
   /// Makes a pending or coming receive() return Cancelled. Callable from any thread (not from a signal handler).
   virtual void cancel(const std::string& message) = 0;
+
+  /// A recorder takes part. What solvers send for it is handed on in receive().
+  virtual bool expects_recorder() const { return false; }
+  /// To the recorder, which must have joined. Never waits: order no more than it has confirmed, and a little.
+  virtual void send(const Sample& /*sample*/) {}
+  /// Participant `who` has been told to publish a frame of which the recorder has not been sent its part.
+  virtual bool owes_sample(int /*who*/) const { return false; }
+  /// Handed to the recorder so far, bytes.
+  virtual std::int64_t bytes_recorded() const { return 0; }
 };
 
 }  // namespace interply::exchange

@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little && sizeof(double) == 8,
 namespace {
 
 constexpr std::uint32_t kMagic = 0x575049;  // "IPW"
-constexpr std::uint32_t kWireVersion = 1;
+constexpr std::uint32_t kWireVersion = 2;
 constexpr std::size_t kPrefix = 8;
 constexpr std::size_t kHeaderLimit = 1 << 20;
 
@@ -29,7 +29,7 @@ google::protobuf::ArenaOptions on_block(std::array<char, 4096>& block) {
 
 template <typename Array>
 std::byte* put(std::byte* to, const Array& a) {
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(a.size());
+  const std::size_t bytes = sizeof(*a.data()) * static_cast<std::size_t>(a.size());
   if (bytes > 0) std::memcpy(to, a.data(), bytes);
   return to + bytes;
 }
@@ -55,6 +55,14 @@ LayerEnergies get(const wire::Energies& e) {
           .contact_work = e.contact_work()};
 }
 
+wire::Stop::Reason to_wire(StopReason reason) {
+  return static_cast<wire::Stop::Reason>(static_cast<int>(reason) + 1);
+}
+
+bool is_known(wire::Stop::Reason reason) { return reason >= wire::Stop::DIVERGED && reason <= wire::Stop::FAILED; }
+
+StopReason from_wire(wire::Stop::Reason reason) { return static_cast<StopReason>(static_cast<int>(reason) - 1); }
+
 /// Checks that exactly the announced doubles follow the header; careful with counts that would overflow.
 void check_arrays(std::int64_t n_nodes, std::int64_t n_thickness, std::size_t bytes) {
   if (n_nodes < 0 || (n_thickness != 0 && n_thickness != n_nodes))
@@ -69,6 +77,10 @@ void check_arrays(std::int64_t n_nodes, std::int64_t n_thickness, std::size_t by
 
 std::int64_t compute_frame_limit(std::int64_t n_nodes) {
   return static_cast<std::int64_t>(kPrefix + kHeaderLimit) + 32 * n_nodes;
+}
+
+std::int64_t compute_sample_limit(std::int64_t payload) {
+  return static_cast<std::int64_t>(kPrefix + kHeaderLimit) + payload;
 }
 
 Encoder::Encoder() : arena_(on_block(block_)) {}
@@ -101,6 +113,8 @@ Bytes Encoder::encode(const Join& join) {
   to.set_layer(join.layer);
   to.set_pid(join.pid);
   to.set_host(join.host);
+  to.set_kind(join.kind);
+  to.set_records(join.records);
   write(header, 0);
   return finish();
 }
@@ -183,6 +197,7 @@ Bytes Encoder::encode(const Final& final) {
 Bytes Encoder::encode(const Failure& failure) {
   auto& header = start();
   header.mutable_failure()->set_message(failure.message);
+  header.mutable_failure()->set_reason(to_wire(failure.reason));
   write(header, 0);
   return finish();
 }
@@ -197,8 +212,27 @@ Bytes Encoder::encode(const Received&) {
 Bytes Encoder::encode(const Stop& stop) {
   auto& header = start();
   auto& to = *header.mutable_stop();
-  to.set_reason(static_cast<wire::Stop::Reason>(static_cast<int>(stop.reason) + 1));
+  to.set_reason(to_wire(stop.reason));
   to.set_message(stop.message);
+  write(header, 0);
+  return finish();
+}
+
+Bytes Encoder::encode(const Sample& sample) {
+  auto& header = start();
+  auto& to = *header.mutable_sample();
+  to.set_layer(sample.layer);
+  to.set_frame(sample.frame);
+  put(write(header, sample.payload.size()), sample.payload);
+  return finish();
+}
+
+Bytes Encoder::encode(const Recorded& recorded) {
+  auto& header = start();
+  auto& to = *header.mutable_recorded();
+  to.set_frames(recorded.frames);
+  to.set_rows(recorded.rows);
+  to.set_closed(recorded.closed);
   write(header, 0);
   return finish();
 }
@@ -224,8 +258,8 @@ MessageKind Decoder::open(Bytes frame) {
   if (!header->ParseFromArray(frame.data() + kPrefix, static_cast<int>(length)))
     throw Malformed(fmt::format("message has an unreadable header of {} bytes", length));
   arrays_ = frame.data() + kPrefix + round_up(length);
-  const std::size_t bytes = frame.size() - kPrefix - round_up(length);
-  check_arrays(n_nodes(), n_thickness(), bytes);
+  array_bytes_ = frame.size() - kPrefix - round_up(length);
+  if (!header->has_sample()) check_arrays(n_nodes(), n_thickness(), array_bytes_);
   switch (header->kind_case()) {
     case wire::Header::kJoin:
       return MessageKind::Join;
@@ -240,13 +274,19 @@ MessageKind Decoder::open(Bytes frame) {
     case wire::Header::kFinal:
       return MessageKind::Final;
     case wire::Header::kFailure:
+      if (!is_known(header->failure().reason()))
+        throw Malformed(fmt::format("failure has the unknown reason {}", int{header->failure().reason()}));
       return MessageKind::Failure;
     case wire::Header::kReceived:
       return MessageKind::Received;
     case wire::Header::kStop:
-      if (header->stop().reason() < wire::Stop::DIVERGED || header->stop().reason() > wire::Stop::CANCELLED)
+      if (!is_known(header->stop().reason()))
         throw Malformed(fmt::format("stop message has the unknown reason {}", int{header->stop().reason()}));
       return MessageKind::Stop;
+    case wire::Header::kSample:
+      return MessageKind::Sample;
+    case wire::Header::kRecorded:
+      return MessageKind::Recorded;
     case wire::Header::KIND_NOT_SET:
       break;
   }
@@ -270,6 +310,8 @@ void Decoder::read(Join& join) const {
   join.layer = from.layer();
   join.pid = from.pid();
   join.host = from.host();
+  join.kind = from.kind();
+  join.records = from.records();
 }
 
 void Decoder::read(Welcome& welcome) const {
@@ -328,11 +370,27 @@ void Decoder::read(Final& final) const {
   for (const auto& item : from.summary()) final.summary.push_back({item.name(), item.unit(), item.value()});
 }
 
-void Decoder::read(Failure& failure) const { failure.message = header_->failure().message(); }
+void Decoder::read(Failure& failure) const {
+  failure.message = header_->failure().message();
+  failure.reason = from_wire(header_->failure().reason());
+}
 
 void Decoder::read(Stop& stop) const {
-  stop.reason = static_cast<StopReason>(static_cast<int>(header_->stop().reason()) - 1);
+  stop.reason = from_wire(header_->stop().reason());
   stop.message = header_->stop().message();
+}
+
+void Decoder::read(Sample& sample) const {
+  sample.layer = header_->sample().layer();
+  sample.frame = header_->sample().frame();
+  sample.payload = {arrays_, array_bytes_};
+}
+
+void Decoder::read(Recorded& recorded) const {
+  const auto& from = header_->recorded();
+  recorded.frames = from.frames();
+  recorded.rows = from.rows();
+  recorded.closed = from.closed();
 }
 
 }  // namespace interply::exchange

@@ -4,6 +4,7 @@
 ///          4   u32  length of the Protobuf header (proto/exchange.proto, message Header)
 ///          8        Protobuf header, zero padded to a multiple of 8
 ///          .   f64  arrays: Motion: position [3 x n_nodes], thickness [n_thickness]; Force: force [3 x n_nodes]
+///          .   u8   payload of a Sample
 ///
 /// Arrays travel bit for bit, NaN included: a NaN is a matter of mechanics, not of the format.
 #pragma once
@@ -39,19 +40,22 @@ struct Refusal {
 };
 struct Failure {
   std::string message;
+  StopReason reason = StopReason::Diverged;
 };
-struct Received {};  ///< answers Failure
+struct Received {};  ///< answers Failure and Final
 struct Stop {
   StopReason reason = StopReason::Cancelled;
   std::string message;
 };
 
-enum class MessageKind { Join, Welcome, Refusal, Motion, Force, Final, Failure, Received, Stop };
+enum class MessageKind { Join, Welcome, Refusal, Motion, Force, Final, Failure, Received, Stop, Sample, Recorded };
 
 using Bytes = std::span<const std::byte>;
 
 /// Largest frame of a layer with `n_nodes` nodes, bytes.
 std::int64_t compute_frame_limit(std::int64_t n_nodes);
+/// Largest frame of a sample of so many bytes.
+std::int64_t compute_sample_limit(std::int64_t payload);
 
 /// Writes messages into one buffer that is reused: no allocation once it has seen the largest.
 class Encoder {
@@ -67,6 +71,8 @@ class Encoder {
   Bytes encode(const Failure& failure);
   Bytes encode(const Received& received);
   Bytes encode(const Stop& stop);
+  Bytes encode(const Sample& sample);
+  Bytes encode(const Recorded& recorded);
 
  private:
   wire::Header& start();
@@ -102,12 +108,16 @@ class Decoder {
   void read(Final& final) const;
   void read(Failure& failure) const;
   void read(Stop& stop) const;
+  /// The payload stays in the frame.
+  void read(Sample& sample) const;
+  void read(Recorded& recorded) const;
 
  private:
   std::array<char, 4096> block_;
   google::protobuf::Arena arena_;
   const wire::Header* header_ = nullptr;  ///< in the arena
   const std::byte* arrays_ = nullptr;     ///< in the frame
+  std::size_t array_bytes_ = 0;
 };
 
 }  // namespace interply::exchange

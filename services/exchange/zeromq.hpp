@@ -8,7 +8,7 @@
 /// says `ipc`, or cannot reach the memory (another user, another container) or the second port (a firewall), takes part
 /// with messages among the others. Same bits on every way.
 ///
-/// A solver is a DEALER, the coordinator a ROUTER; a message is one frame (wire.hpp). Each connection has an identity
+/// A solver or recorder is a DEALER, the coordinator a ROUTER; a message is one frame (wire.hpp). Each connection has an identity
 /// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often
 /// as it takes until it has joined and never again after that: whoever loses its connection has lost its place, so
 /// nothing stale can arrive. Deaths are noticed at once because the kernel closes the connection of a dead process; a
@@ -27,6 +27,9 @@ namespace interply::exchange {
 /// @throws std::runtime_error for an address that cannot be one
 std::unique_ptr<SolverLink> connect_zeromq(const std::string& address);
 
+/// A recorder's end, likewise.
+std::unique_ptr<RecorderLink> connect_recorder(const std::string& address);
+
 /// What Motion and Force may travel by.
 enum class ArraysBy {
   Mailbox,  ///< what the address has to offer
@@ -34,10 +37,12 @@ enum class ArraysBy {
 };
 
 /// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
-/// @param welcome  what every accepted solver is told; a Join must know no scene or the one of `welcome.scene_digest`
+/// @param welcome   what everyone accepted is told; a Join must know no scene or the one of `welcome.scene_digest`
+/// @param recorder  a recorder takes part, too
 /// @throws std::runtime_error if the address cannot be bound
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
-                                             std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox);
+                                             std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox,
+                                             bool recorder = false);
 
 /// What a link of bind_zeromq() is really bound to, e.g. "tcp://127.0.0.1:40123".
 /// @throws std::bad_cast for any other link

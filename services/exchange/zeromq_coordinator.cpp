@@ -2,6 +2,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <mutex>
@@ -62,13 +63,18 @@ class Alarm {
   std::string message_;
 };
 
+constexpr int kQueuePerSeat = 100;  ///< messages; the recorder gets some of every layer for each frame under way
+
 class ZeromqCoordinator final : public CoordinatorLink {
  public:
-  ZeromqCoordinator(const std::string& address, Welcome welcome, const std::vector<Expected>& expected, ArraysBy arrays)
+  ZeromqCoordinator(const std::string& address, Welcome welcome, const std::vector<Expected>& expected, ArraysBy arrays,
+                    bool recorder)
       : welcome_(std::move(welcome)),
-        admission_(welcome_.scene_digest, expected),
+        admission_(welcome_.scene_digest, expected, recorder),
         peers_(static_cast<std::size_t>(admission_.size())) {
-    socket_.limit_messages(compute_frame_limit(admission_.largest_layer()));
+    socket_.limit_messages(std::max(compute_frame_limit(admission_.largest_layer()),
+                                    compute_sample_limit(admission_.largest_sample())));
+    socket_.set_queue(kQueuePerSeat * (2 + admission_.size()));
     socket_.bind(address);
     if (arrays == ArraysBy::Mailbox) mail_ = make_mail_room(socket_.endpoint(), expected);
   }
@@ -77,13 +83,12 @@ class ZeromqCoordinator final : public CoordinatorLink {
     const Deadline until(timeout);
     for (;;) {
       if (auto message = alarm_.take()) return make_event(Event::Kind::Cancelled, -1, std::move(*message));
-      if (Event event = read_mail(); event.kind != Event::Kind::None) return event;
-      // A loss is told after all that the lost one still sent. Connections are looked at before each message because a
-      // descriptor may be used again.
-      while (note_news(), socket_.receive()) {
-        if (Event event = read_message(); event.kind != Event::Kind::None) return event;
-        if (until.passed()) break;
+      if (n_owed_ > 0) {  // mail that never ceases must not keep messages from being read
+        if (Event event = read_messages(until); event.kind != Event::Kind::None) return event;
       }
+      if (Event event = read_mail(); event.kind != Event::Kind::None) return event;
+      // a loss is told after all that the lost one still sent
+      if (Event event = read_messages(until); event.kind != Event::Kind::None) return event;
       if (Event event = take_loss(); event.kind != Event::Kind::None) return event;
       if (until.passed()) return {};
       sleep(until);
@@ -95,6 +100,10 @@ class ZeromqCoordinator final : public CoordinatorLink {
 
   bool send(int who, const Force& force) override {
     if (!admission_.note_answer(who, force)) return false;
+    if (force.frame >= 0 && expects_recorder()) {
+      ++peer(who).owed;
+      ++n_owed_;
+    }
     if (peer(who).by_mail) return mail_->answer(who, force);
     if (socket_.send(peer(who).identity, encoder_.encode(force))) return true;
     peer(who).lost = true;
@@ -104,11 +113,23 @@ class ZeromqCoordinator final : public CoordinatorLink {
   void stop(StopReason reason, const std::string& message) override {
     admission_.close(message);
     const Bytes frame = encoder_.encode(Stop{reason, message});
-    for (int who = 0; who < admission_.size(); ++who)
+    for (int who = 0; who < admission_.n_layers(); ++who)
       if (admission_.is_active(who)) socket_.send(peer(who).identity, frame);
   }
 
   void cancel(const std::string& message) override { alarm_.ring(message); }
+
+  bool expects_recorder() const override { return admission_.recorder() >= 0; }
+
+  void send(const Sample& sample) override {
+    const int who = admission_.recorder();
+    if (who < 0 || !admission_.is_active(who)) return;
+    bytes_recorded_ += static_cast<std::int64_t>(sample.payload.size());
+    if (!socket_.send(peer(who).identity, encoder_.encode(sample))) peer(who).lost = true;
+  }
+
+  bool owes_sample(int who) const override { return peer(who).owed > 0; }
+  std::int64_t bytes_recorded() const override { return bytes_recorded_; }
 
   std::string endpoint() const { return socket_.endpoint(); }
 
@@ -118,6 +139,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
     int descriptor = -1;   ///< of its connection, as the monitor will name it
     bool lost = false;     ///< and not yet told
     bool by_mail = false;  ///< its last motion came by its mailbox: so does the answer
+    int owed = 0;          ///< frames that it was told to publish and has not yet
     Motion motion;
   };
   Peer& peer(int who) { return peers_[static_cast<std::size_t>(who)]; }
@@ -135,7 +157,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
   Event take_loss() {
     for (int who = 0; who < admission_.size(); ++who) {
       if (!admission_.is_active(who) || has_mail(who)) continue;
-      const std::string why = mail_ ? mail_->why_cut(who) : std::string();
+      const std::string why = mail_ && who < admission_.n_layers() ? mail_->why_cut(who) : std::string();
       if ((peer(who).lost || !why.empty()) && admission_.note_gone(who))
         return make_event(Event::Kind::Suspect, who,
                           fmt::format("the connection to {} was lost{}{}", describe(admission_.join(who)),
@@ -144,9 +166,11 @@ class ZeromqCoordinator final : public CoordinatorLink {
     return {};
   }
 
-  bool has_mail(int who) const { return mail_ && admission_.is_active(who) && mail_->has_mail(who); }
+  bool has_mail(int who) const {
+    return mail_ && who < admission_.n_layers() && admission_.is_active(who) && mail_->has_mail(who);
+  }
   bool has_mail() const {
-    for (int who = 0; who < admission_.size(); ++who)
+    for (int who = 0; who < admission_.n_layers(); ++who)
       if (has_mail(who)) return true;
     return false;
   }
@@ -163,7 +187,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
   Event read_mail() {
     if (!mail_) return {};
     if (!has_mail()) mail_->look();
-    for (int who = 0; who < admission_.size(); ++who) {
+    for (int who = 0; who < admission_.n_layers(); ++who) {
       if (!has_mail(who)) continue;
       const MotionMail mail = mail_->take(who);
       const std::string refusal = admission_.judge_motion(who, mail.step, mail_->n_nodes(who), mail.n_thickness);
@@ -178,7 +202,16 @@ class ZeromqCoordinator final : public CoordinatorLink {
     return {};
   }
 
-  /// Reads the message that the socket has taken. None: it was refused.
+  /// Connections are looked at before each message because a descriptor may be used again.
+  Event read_messages(const Deadline& until) {
+    while (note_news(), socket_.receive()) {
+      if (Event event = read_message(); event.kind != Event::Kind::None) return event;
+      if (until.passed()) break;
+    }
+    return {};
+  }
+
+  /// Reads the message that the socket has taken. None: it was refused or handed on.
   Event read_message() {
     const int who = find(socket_.identity());
     if (!socket_.is_whole()) return refuse(who, "parts", "sent a message of several parts");
@@ -206,7 +239,8 @@ class ZeromqCoordinator final : public CoordinatorLink {
     Peer& p = peer(verdict.who);
     p.identity = identity;
     p.descriptor = socket_.descriptor();
-    if (!socket_.send(identity, encoder_.encode(welcome_, mail_ ? mail_->offer(verdict.who) : MailOffer{})))
+    const bool has_mailbox = mail_ && verdict.who < admission_.n_layers();
+    if (!socket_.send(identity, encoder_.encode(welcome_, has_mailbox ? mail_->offer(verdict.who) : MailOffer{})))
       p.lost = true;
     return make_event(Event::Kind::Joined, verdict.who);
   }
@@ -227,6 +261,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
         refusal = admission_.judge_final(who);
         if (!refusal.empty()) return refuse(who, "final", refusal);
         decoder_.read(event.final);
+        socket_.send(peer(who).identity, encoder_.encode(Received{}));
         event.kind = Event::Kind::Ended;
         return event;
       case MessageKind::Failure: {
@@ -236,12 +271,38 @@ class ZeromqCoordinator final : public CoordinatorLink {
         decoder_.read(failure);
         socket_.send(peer(who).identity, encoder_.encode(Received{}));
         event.kind = Event::Kind::Failed;
+        event.reason = who == admission_.recorder() ? failure.reason : StopReason::Diverged;
         event.message = std::move(failure.message);
         return event;
       }
+      case MessageKind::Sample: {
+        Sample sample;
+        decoder_.read(sample);
+        refusal = admission_.judge_sample(who, sample);
+        if (!refusal.empty()) return refuse(who, "sample", refusal);
+        hand_on(who, sample);
+        return event;
+      }
+      case MessageKind::Recorded:
+        decoder_.read(event.recorded);
+        refusal = admission_.judge_recorded(who, event.recorded.closed);
+        if (!refusal.empty()) return refuse(who, "recorded", refusal);
+        event.kind = Event::Kind::Recorded;
+        return event;
       default:
         return refuse(who, "direction", "sent a message that only a coordinator sends");
     }
+  }
+
+  /// To the recorder, as it is.
+  void hand_on(int who, const Sample& sample) {
+    if (sample.frame >= 0 && peer(who).owed > 0) {
+      --peer(who).owed;
+      --n_owed_;
+    }
+    bytes_recorded_ += static_cast<std::int64_t>(sample.payload.size());
+    const int recorder = admission_.recorder();
+    if (admission_.is_active(recorder) && !socket_.relay(peer(recorder).identity)) peer(recorder).lost = true;
   }
 
   /// @returns Kind::None
@@ -267,13 +328,15 @@ class ZeromqCoordinator final : public CoordinatorLink {
   Encoder encoder_;
   Decoder decoder_;
   std::unique_ptr<MailRoom> mail_;  ///< null: everything travels as messages
+  int n_owed_ = 0;                  ///< of all peers
+  std::int64_t bytes_recorded_ = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
-                                             std::vector<Expected> expected, ArraysBy arrays) {
-  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), expected, arrays);
+                                             std::vector<Expected> expected, ArraysBy arrays, bool recorder) {
+  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), expected, arrays, recorder);
 }
 
 std::string get_endpoint(const CoordinatorLink& link) {

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,12 +10,16 @@
 #include <cstring>
 #include <zmq.hpp>
 
+#include "exchange/address.hpp"
+
 namespace interply::exchange {
 
 namespace {
 
 constexpr int kLinger = 1000;           ///< ms that a closed socket still tries to deliver what it sent
 constexpr int kSendTimeout = 5000;      ///< ms until a full queue counts as a loss
+constexpr int kHeartbeat = 1000;        ///< ms between signs of life
+constexpr double kLongestSilence = 6000;  ///< s that ZeroMQ can tell the other end
 constexpr int kReconnect = 20;          ///< ms between attempts while nobody listens yet
 constexpr int kQueue = 100;             ///< messages per connection; lock-step needs two
 constexpr int kKernelBuffer = 4 << 20;  ///< bytes; a whole message fits
@@ -48,28 +50,9 @@ bool take(zmq::socket_t& socket, zmq::message_t& part) {
   return retry([&] { return zmq_msg_recv(part.handle(), socket.handle(), ZMQ_DONTWAIT); });
 }
 
-constexpr std::string_view kIpc = "ipc://";
-constexpr std::string_view kShared = "shm://";
-
-std::string to_zeromq(const std::string& address) {
-  return is_shared_memory(address) ? std::string(kIpc) + address.substr(kShared.size()) : address;
-}
-
-/// A coordinator lives behind this path: ZeroMQ would take it away.
-bool is_answered(const std::string& address) {
-  sockaddr_un name{};
-  if (!address.starts_with(kIpc) || address.size() - kIpc.size() >= sizeof(name.sun_path)) return false;
-  name.sun_family = AF_UNIX;
-  std::memcpy(name.sun_path, address.data() + kIpc.size(), address.size() - kIpc.size());
-  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const bool answered = ::connect(probe, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0;
-  ::close(probe);
-  return answered;
-}
-
 }  // namespace
 
-bool is_shared_memory(const std::string& address) { return address.starts_with(kShared); }
+bool is_shared_memory(const std::string& address) { return address.starts_with("shm://"); }
 bool is_tcp(const std::string& address) { return address.starts_with("tcp://"); }
 
 struct ZeromqSocket::Parts {
@@ -95,7 +78,6 @@ struct ZeromqSocket::Parts {
   }
   ~Parts() {
     zmq_socket_monitor(socket.handle(), nullptr, 0);
-    if (!ipc_path.empty()) ::unlink(ipc_path.c_str());  // ZeroMQ leaves it behind
   }
 
   zmq::context_t context;
@@ -106,7 +88,7 @@ struct ZeromqSocket::Parts {
   zmq::message_t identity, frame, part;
   bool whole = true;
   bool shares_memory = false;
-  std::string ipc_path;  ///< that we listen at
+  std::optional<UnixListener> listener;  ///< whose descriptor ZeroMQ has
 };
 
 ZeromqSocket::ZeromqSocket(Type type) : parts_(std::make_unique<Parts>(type)) {}
@@ -114,27 +96,46 @@ ZeromqSocket::~ZeromqSocket() = default;
 
 void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::sockopt::maxmsgsize, bytes); }
 
-void ZeromqSocket::connect(const std::string& address) {
-  if (zmq_connect(parts_->socket.handle(), to_zeromq(address).c_str()) != 0)
-    throw std::runtime_error(fmt::format("cannot connect to {}: {}; give shm://path, ipc://path or tcp://host:port",
-                                         address, zmq_strerror(errno)));
+void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
+
+void ZeromqSocket::end_silence(double seconds) {
+  if (seconds > kLongestSilence) return;
+  const int wait = std::max(100, static_cast<int>(1000 * seconds)), every = std::min(kHeartbeat, wait);
+  parts_->socket.set(zmq::sockopt::heartbeat_ivl, every);
+  parts_->socket.set(zmq::sockopt::heartbeat_timeout, wait);
+  parts_->socket.set(zmq::sockopt::heartbeat_ttl, wait + every);  // the last sign of life may be as old as that
 }
 
-void ZeromqSocket::bind(const std::string& address) {
-  const std::string own = to_zeromq(address);
-  if (is_answered(own))
-    throw std::runtime_error(fmt::format("cannot bind {}: another coordinator listens there", address));
-  if (zmq_bind(parts_->socket.handle(), own.c_str()) != 0)
-    throw std::runtime_error(
-        fmt::format("cannot bind {}: {}; give shm://path, ipc://path or tcp://address:port, port * for a free one",
-                    address, zmq_strerror(errno)));
-  parts_->shares_memory = is_shared_memory(address);
-  if (own.starts_with(kIpc)) parts_->ipc_path = own.substr(kIpc.size());
+void ZeromqSocket::connect(const std::string& address) {
+  const std::string endpoint = to_endpoint(parse_address(address, AddressUse::Connect));
+  parts_->socket.set(zmq::sockopt::ipv6, endpoint.starts_with("tcp://["));
+  if (zmq_connect(parts_->socket.handle(), endpoint.c_str()) != 0)
+    throw BadAddress(fmt::format("cannot connect to {}: {}; give shm://PATH, ipc://PATH or tcp://HOST:PORT", address,
+                                 zmq_strerror(errno)));
+}
+
+void ZeromqSocket::bind(const std::string& text) {
+  const Address address = parse_address(text, AddressUse::Listen);
+  const std::string endpoint = to_endpoint(address);
+  parts_->shares_memory = address.scheme == Address::Scheme::Memory;
+  if (address.scheme == Address::Scheme::Internet) {
+    parts_->socket.set(zmq::sockopt::ipv6, endpoint.starts_with("tcp://["));
+  } else {  // ZeroMQ would take away what lies there
+    const int descriptor = parts_->listener.emplace(address).release();
+    zmq_setsockopt(parts_->socket.handle(), ZMQ_USE_FD, &descriptor, sizeof(descriptor));
+    const uid_t user = ::geteuid();  // a name has no permissions
+    if (address.path.starts_with('@'))
+      zmq_setsockopt(parts_->socket.handle(), ZMQ_IPC_FILTER_UID, &user, sizeof(user));
+  }
+  if (zmq_bind(parts_->socket.handle(), endpoint.c_str()) == 0) return;
+  const std::string why = fmt::format("cannot listen at {}: {}", text, zmq_strerror(errno));
+  if (errno == EADDRINUSE) throw std::runtime_error(why + "; give another address, or port 0 for a free one");
+  throw BadAddress(why + "; give an address of this host");
 }
 
 std::string ZeromqSocket::endpoint() const {
   const std::string own = parts_->socket.get(zmq::sockopt::last_endpoint);
-  return parts_->shares_memory ? std::string(kShared) + own.substr(kIpc.size()) : own;
+  return parts_->shares_memory ? "shm" + own.substr(3) : own;
 }
 
 bool ZeromqSocket::send(Bytes frame) {
@@ -146,6 +147,12 @@ bool ZeromqSocket::send(std::string_view identity, Bytes frame) {
   constexpr int kFirst = ZMQ_SNDMORE | ZMQ_DONTWAIT;
   return retry([&] { return zmq_send(socket, identity.data(), identity.size(), kFirst); }) &&
          retry([&] { return zmq_send(socket, frame.data(), frame.size(), ZMQ_DONTWAIT); });
+}
+
+bool ZeromqSocket::relay(std::string_view identity) {
+  void* const socket = parts_->socket.handle();
+  return retry([&] { return zmq_send(socket, identity.data(), identity.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT); }) &&
+         retry([&] { return zmq_msg_send(parts_->frame.handle(), socket, ZMQ_DONTWAIT); });
 }
 
 bool ZeromqSocket::receive() {

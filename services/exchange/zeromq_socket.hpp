@@ -33,7 +33,12 @@ class ZeromqSocket {
 
   /// Larger messages end the connection they come from, bytes. Before bind().
   void limit_messages(std::int64_t bytes);
-  /// @throws std::runtime_error with the address
+  /// Messages to one connection that may wait to leave. Before bind().
+  void set_queue(int messages);
+  /// Whoever says nothing for so long has lost its connection, at both ends: a cut link, a host that is gone, a process
+  /// that is stopped. Whoever only computes is heard. Before bind(), s.
+  void end_silence(double seconds);
+  /// @throws BadAddress, std::runtime_error
   void connect(const std::string& address);
   void bind(const std::string& address);
   /// What bind() took.
@@ -43,6 +48,9 @@ class ZeromqSocket {
   bool send(Bytes frame);
   /// Router; never waits. False: that connection is gone, or it takes nothing any more.
   bool send(std::string_view identity, Bytes frame);
+
+  /// Router; sends the message that receive() took on to another connection, without a copy. It is gone then. As send().
+  bool relay(std::string_view identity);
 
   /// Takes the next message if one is here. What the next four describe is valid until the next call.
   bool receive();

@@ -33,13 +33,14 @@ double distance2(const Point& a, const Point& b) { return std::pow(b[0] - a[0], 
 
 class Flattener {
  public:
-  Flattener(RawMesh raw, const std::string& origin) : raw_(std::move(raw)), origin_(origin) {}
+  Flattener(RawMesh raw, const Pieces& file) : raw_(std::move(raw)), file_(file), origin_(file.front().origin) {}
 
   FlatMesh flatten() {
     if (raw_.elements.empty()) throw Unreadable(origin_ + ": has no triangles or quadrilaterals");
     if (raw_.elements.size() > kMostElements) throw Unreadable(origin_ + ": has more than 10 million elements");
     sort_nodes();
     refuse_repeated_elements();
+    for (RawElement& element : raw_.elements) drop_repeated_corner(element);
     find_corners();
     check_plane();
     number_points();
@@ -49,11 +50,17 @@ class Flattener {
   }
 
  private:
-  [[noreturn]] void refuse(std::int64_t line, const std::string& sentence) const {
-    throw Unreadable(origin_ + ":" + std::to_string(line) + ": " + sentence);
+  const std::string& origin(const Place& place) const { return file_[static_cast<std::size_t>(place.piece)].origin; }
+  /// "line 12", and of which file if that is another than the one of `other`.
+  std::string describe(const Place& place, const Place& other) const {
+    return "line " + std::to_string(place.line) +
+           (origin(place) == origin(other) ? std::string() : " of " + origin(place));
+  }
+  [[noreturn]] void refuse(const Place& place, const std::string& sentence) const {
+    throw Unreadable(origin(place) + ":" + std::to_string(place.line) + ": " + sentence);
   }
   [[noreturn]] void refuse_element(const RawElement& e, const std::string& sentence) const {
-    refuse(e.line, "element " + std::to_string(e.id) + " " + sentence);
+    refuse(e.place, "element " + std::to_string(e.id) + " " + sentence);
   }
 
   void sort_nodes() {
@@ -61,18 +68,31 @@ class Flattener {
     std::stable_sort(nodes.begin(), nodes.end(), [](const RawNode& a, const RawNode& b) { return a.id < b.id; });
     for (std::size_t i = 1; i < nodes.size(); ++i)
       if (nodes[i].id == nodes[i - 1].id)
-        refuse(nodes[i].line, "node " + std::to_string(nodes[i].id) + " is given twice, first in line " +
-                                  std::to_string(nodes[i - 1].line));
+        refuse(nodes[i].place, "node " + std::to_string(nodes[i].id) + " is given twice, first in " +
+                                   describe(nodes[i - 1].place, nodes[i].place));
   }
 
   void refuse_repeated_elements() const {
-    std::vector<std::array<std::int64_t, 2>> id_and_line;
-    for (const RawElement& e : raw_.elements) id_and_line.push_back({e.id, e.line});
-    std::sort(id_and_line.begin(), id_and_line.end());
-    for (std::size_t i = 1; i < id_and_line.size(); ++i)
-      if (id_and_line[i][0] == id_and_line[i - 1][0])
-        refuse(id_and_line[i][1], "element " + std::to_string(id_and_line[i][0]) + " is given twice, first in line " +
-                                      std::to_string(id_and_line[i - 1][1]) + "; choose one set or export one part");
+    std::vector<const RawElement*> elements;
+    for (const RawElement& e : raw_.elements) elements.push_back(&e);
+    std::stable_sort(elements.begin(), elements.end(), [](auto* a, auto* b) { return a->id < b->id; });
+    for (std::size_t i = 1; i < elements.size(); ++i)
+      if (elements[i]->id == elements[i - 1]->id)
+        refuse_element(*elements[i], "is given twice, first in " +
+                                         describe(elements[i - 1]->place, elements[i]->place) +
+                                         "; choose one set or export one part");
+  }
+
+  /// A triangle may be written as a quadrilateral whose side from corner k to k + 1 has no length.
+  static void drop_repeated_corner(RawElement& e) {
+    if (e.n != 4) return;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (e.corner[k] != e.corner[(k + 1) % 4]) continue;
+      std::copy(e.corner.begin() + static_cast<std::ptrdiff_t>(k) + 1, e.corner.end(),
+                e.corner.begin() + static_cast<std::ptrdiff_t>(k));
+      e.n = 3;
+      return;
+    }
   }
 
   /// corners_: index in raw_.nodes of each corner.
@@ -89,7 +109,7 @@ class Flattener {
         const auto node = static_cast<int>(found - raw_.nodes.begin());
         for (int other = 0; other < k; ++other)
           if (corners[static_cast<std::size_t>(other)] == node)
-            refuse_element(e, "has node " + std::to_string(id) + " twice");
+            refuse_element(e, "has node " + std::to_string(id) + " twice; an element has three different corners");
         corners[static_cast<std::size_t>(k)] = node;
         used_[static_cast<std::size_t>(node)] = true;
       }
@@ -106,7 +126,7 @@ class Flattener {
       if (!first) first = &node;
       for (std::size_t d = 0; d < 3; ++d) {
         if (!(std::abs(node.x[d]) <= kLargestCoordinate))
-          refuse(node.line, "node " + std::to_string(node.id) + " lies at " + to_text(node.x[d]) +
+          refuse(node.place, "node " + std::to_string(node.id) + " lies at " + to_text(node.x[d]) +
                                 " mm, not within 1e+06 mm; coordinates are in mm");
         low[d] = std::min(low[d], node.x[d]);
         high[d] = std::max(high[d], node.x[d]);
@@ -116,7 +136,7 @@ class Flattener {
     for (std::size_t i = 0; i < raw_.nodes.size(); ++i) {
       const RawNode& node = raw_.nodes[i];
       if (used_[i] && std::abs(node.x[2] - first->x[2]) > kPlane * size)
-        refuse(node.line, "node " + std::to_string(node.id) + " lies at z = " + to_text(node.x[2]) + " mm, node " +
+        refuse(node.place, "node " + std::to_string(node.id) + " lies at z = " + to_text(node.x[2]) + " mm, node " +
                               std::to_string(first->id) + " at z = " + to_text(first->x[2]) +
                               " mm; a blank is flat and lies in a plane z = const");
     }
@@ -223,7 +243,8 @@ class Flattener {
   }
 
   RawMesh raw_;
-  const std::string& origin_;
+  const Pieces& file_;
+  const std::string& origin_;  ///< of the file itself
   std::vector<std::array<int, 4>> corners_;  ///< of each raw element, index of raw node
   std::vector<bool> used_;                   ///< raw node belongs to an element
   std::vector<int> number_;                  ///< point of a raw node, or -1
@@ -233,6 +254,6 @@ class Flattener {
 
 }  // namespace
 
-FlatMesh flatten(RawMesh raw, const std::string& origin) { return Flattener(std::move(raw), origin).flatten(); }
+FlatMesh flatten(RawMesh raw, const Pieces& file) { return Flattener(std::move(raw), file).flatten(); }
 
 }  // namespace interply::geometry

@@ -5,20 +5,21 @@
 #include <string_view>
 
 #include "geometry/blank_mesh.hpp"
+#include "geometry/text_lines.hpp"
 
 namespace interply::geometry {
 
 struct RawNode {
   std::int64_t id = 0;
   std::array<double, 3> x{};  ///< mm
-  std::int64_t line = 0;
+  Place place;
 };
 
 struct RawElement {
   std::int64_t id = 0;
   std::array<std::int64_t, 4> corner{};  ///< node numbers; the first `n` are in use
   int n = 3;                             ///< 3 or 4
-  std::int64_t line = 0;
+  Place place;
 };
 
 struct RawMesh {
@@ -27,12 +28,13 @@ struct RawMesh {
 };
 
 /// Nodes and chosen elements of one format. @throws Unreadable
-RawMesh parse_gmsh(std::string_view text, const std::string& origin, const std::string& set);
-RawMesh parse_abaqus(std::string_view text, const std::string& origin, const std::string& set);
+RawMesh parse_gmsh(const Pieces& file, const std::string& set);
+RawMesh parse_abaqus(const Pieces& file, const std::string& set);
 
-/// Checks everything that the shell and the contact search rely on, splits quadrilaterals, turns triangles over.
+/// Checks everything that the shell and the contact search rely on, splits quadrilaterals, turns triangles over. A
+/// quadrilateral with neighbouring corners in one node is a triangle.
 /// @throws Unreadable  missing or repeated nodes, nodes off the plane, elements without area or with a re-entrant
 ///                     corner, sides of three elements, overlapping neighbours, several pieces
-FlatMesh flatten(RawMesh raw, const std::string& origin);
+FlatMesh flatten(RawMesh raw, const Pieces& file);
 
 }  // namespace interply::geometry

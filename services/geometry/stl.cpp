@@ -1,5 +1,6 @@
 #include "geometry/stl.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -9,6 +10,8 @@
 #include <string_view>
 #include <unordered_map>
 #include <vector>
+
+#include "geometry/text_lines.hpp"
 
 namespace interply::geometry {
 namespace {
@@ -47,21 +50,19 @@ Corners read_binary(const std::string& content, const std::string& name) {
 /// Words of a text with the line that they stand in.
 class Words {
  public:
-  Words(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+  Words(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   bool at_end() {
-    while (at_ < text_.size() && std::strchr(" \t\r\n\v\f", text_[at_])) line_ += text_[at_++] == '\n';
+    for (; at_ < text_.size() && is_blank(text_[at_]); ++at_) line_ += ends_line();
     return at_ == text_.size();
   }
   std::string_view next() {
     if (at_end()) return {};
     const std::size_t first = at_;
-    while (at_ < text_.size() && !std::strchr(" \t\r\n\v\f", text_[at_])) ++at_;
-    return std::string_view(text_).substr(first, at_ - first);
+    while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
+    return text_.substr(first, at_ - first);
   }
-  void skip_line() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
-  }
+  void skip_line() { at_ = std::min(text_.find_first_of("\r\n", at_), text_.size()); }
   static bool is(std::string_view word, std::string_view keyword) {
     return word.size() == keyword.size() &&
            std::equal(word.begin(), word.end(), keyword.begin(), [](char a, char b) { return (a | 32) == b; });
@@ -70,13 +71,22 @@ class Words {
     const std::string_view word = next();
     if (!is(word, keyword)) fail_at(word, keyword);
   }
+  /// "endloop" or "end loop", of which `first` has been read.
+  bool is_end_of(std::string_view first, std::string_view keyword) {
+    return is(first, "end") ? is(next(), keyword) : is(first.substr(0, 3), "end") && is(first.substr(3), keyword);
+  }
+  void expect_end_of(std::string_view keyword) {
+    const std::string_view word = next();
+    if (!is_end_of(word, keyword)) fail_at(word, "end" + std::string(keyword));
+  }
   double number() {
-    std::string_view word = next();
-    const std::string_view whole = word;
-    if (word.starts_with('+')) word.remove_prefix(1);
+    const std::string_view word = next();
     double value = 0;
-    const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc{} || last != word.data() + word.size()) fail(quote(whole) + " is not a number");
+    if (!read_number(word.substr(word.starts_with('+') ? 1 : 0), value)) {
+      std::string digits(word);
+      if (const std::size_t d = digits.find_first_of("dD"); d != digits.npos) digits[d] = 'e';  // Fortran's 1.0D+02
+      if (!read_number(digits, value)) fail(quote(word) + " is not a number");
+    }
     return value;
   }
   [[noreturn]] void fail_at(std::string_view word, std::string_view expected) const {
@@ -94,14 +104,24 @@ class Words {
     return text += '\'';
   }
 
-  const std::string& text_;
+  static bool read_number(std::string_view digits, double& value) {
+    const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc{} && last == digits.data() + digits.size();
+  }
+  static bool is_blank(char c) { return std::strchr(" \t\r\n\v\f", c) != nullptr; }  // and a byte 0 that pads the end
+  /// LF, or CR without LF behind it.
+  bool ends_line() const {
+    return text_[at_] == '\n' || (text_[at_] == '\r' && !text_.substr(at_ + 1).starts_with('\n'));
+  }
+
+  std::string_view text_;
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 1;
 };
 
-Corners read_ascii(const std::string& content, const std::string& name) {
-  Words words(content, name);
+Corners read_ascii(std::string_view text, const std::string& name) {
+  Words words(text, name);
   Corners corners;
   while (!words.at_end()) {
     words.expect("solid");
@@ -117,26 +137,34 @@ Corners read_ascii(const std::string& content, const std::string& name) {
         Vector3& x = corners.emplace_back();
         for (double& c : x) check_coordinate(c = words.number(), name, words.where());
       }
-      words.expect("endloop");
-      words.expect("endfacet");
+      words.expect_end_of("loop");
+      words.expect_end_of("facet");
     }
-    if (!Words::is(word, "endsolid")) words.fail_at(word, "facet or endsolid");
+    if (!words.is_end_of(word, "solid")) words.fail_at(word, "facet or endsolid");
     words.skip_line();
   }
   return corners;
 }
 
-Corners read_corners(const std::string& content, const std::string& name) {
-  const bool has_header = content.size() >= kHeader;
-  if (has_header && content.size() == kHeader + kRecord * std::size_t{read_count(content)})
+/// By what the file holds, not by its first word: a binary file has as many bytes as its header counts, or more, and a
+/// byte 0 near its beginning, as a count has below 2^24.
+/// @param bytes_after  what follows the last triangle of a binary file
+Corners read_corners(const std::string& content, const std::string& name, std::size_t& bytes_after) {
+  const std::uint32_t n = content.size() >= kHeader ? read_count(content) : 0;
+  const std::size_t needed = kHeader + kRecord * std::size_t{n};
+  if (content.size() == needed) return read_binary(content, name);
+  const std::string_view text = open_text(content, name);
+  if (text.substr(0, 512).find('\0') == text.npos) {
+    if (!Words::is(Words(text, name).next(), "solid"))
+      refuse(name, "is no STL file: as a text it does not begin with 'solid'");
+    return read_ascii(text, name);
+  }
+  if (n > 0 && content.size() > needed) {
+    bytes_after = content.size() - needed;
     return read_binary(content, name);
-  if (content.size() >= 5 && Words::is(std::string_view(content).substr(0, 5), "solid"))
-    return read_ascii(content, name);
-  refuse(name, has_header ? "is no STL file: it does not begin with 'solid', and a binary one of " +
-                                std::to_string(read_count(content)) + " triangles has " +
-                                std::to_string(kHeader + kRecord * std::size_t{read_count(content)}) + " bytes, not " +
-                                std::to_string(content.size())
-                          : "is no STL file: it does not begin with 'solid' and is shorter than a binary header");
+  }
+  refuse(name, "is no STL file, or is cut off: a binary one of " + std::to_string(n) + " triangles has " +
+                   std::to_string(needed) + " bytes, not " + std::to_string(content.size()) + "; export it again");
 }
 
 struct Cell {
@@ -258,8 +286,8 @@ void turn_outwards(Surface& s, const std::string& name) {
 }  // namespace
 
 Surface parse_stl(const std::string& content, const std::string& name) {
-  const Corners corners = read_corners(content, name);
   Surface s;
+  const Corners corners = read_corners(content, name, s.bytes_after);
   if (!corners.empty()) {
     Eigen::AlignedBox3d box;
     for (const Vector3& x : corners) box.extend(x);

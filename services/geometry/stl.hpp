@@ -24,6 +24,7 @@ struct Surface {
   Triangles neighbours;   ///< across the side from corner k to k + 1, or -1 at a rim  [3 x n_triangles]
   int open_sides = 0;     ///< sides of one triangle only
   int collapsed = 0;      ///< triangles of the file that were dropped: two of their corners are the same vertex
+  std::size_t bytes_after = 0;  ///< of a binary file, behind its last triangle; not read
   double weld = 0;        ///< distance below which corners are one vertex, mm
 
   bool is_watertight() const { return open_sides == 0; }

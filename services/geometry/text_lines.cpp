@@ -30,17 +30,32 @@ std::size_t compute_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string_view open_text(std::string_view content, const std::string& origin) {
+  if (content.starts_with("\xEF\xBB\xBF")) return content.substr(3);
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF"))
+    throw Unreadable(origin + ": is saved as UTF-16; save it as UTF-8");
+  return content;
+}
+
+Lines::Lines(const Pieces& pieces) : Lines(pieces.front().text, pieces.front().origin) { pieces_ = &pieces; }
+
 bool Lines::next() {
-  if (rest_.empty()) return false;
-  const std::size_t end = rest_.find('\n');
+  while (rest_.empty()) {
+    if (!pieces_ || static_cast<std::size_t>(piece_) + 1 == pieces_->size()) return false;
+    const Piece& piece = (*pieces_)[static_cast<std::size_t>(++piece_)];
+    text_ = rest_ = piece.text;
+    origin_ = &piece.origin;
+    number_ = piece.first_line - 1;
+  }
+  const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
   line_ = trim(rest_.substr(0, end));
-  rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
+  rest_.remove_prefix(rest_.substr(end).starts_with("\r\n") ? end + 2 : std::min(end + 1, rest_.size()));
   ++number_;
   return true;
 }
 
 void Lines::refuse(const std::string& sentence) const {
-  throw Unreadable(origin_ + ":" + std::to_string(number_) + ": " + sentence);
+  throw Unreadable(*origin_ + ":" + std::to_string(number_) + ": " + sentence);
 }
 
 bool Fields::empty() const { return std::all_of(rest_.begin(), rest_.end(), is_blank); }
@@ -101,13 +116,15 @@ std::string quote(std::string_view text) {
 std::string suggest_set(const std::string& set, const std::vector<std::string>& known) {
   constexpr std::size_t kListed = 20, kCompared = 1000;
   if (known.empty()) return "; it has none";
+  const std::string asked = quote(set);
   const auto distance = [&](const std::string& name) {
     return compute_distance(to_lower(set.substr(0, 60)), to_lower(name.substr(0, 60)));
   };
   const auto nearest =
       std::min_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(std::min(known.size(), kCompared)),
                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  if (distance(*nearest) <= std::max<std::size_t>(2, nearest->size() / 3) && distance(*nearest) < nearest->size())
+  if (quote(*nearest) != asked && distance(*nearest) <= std::max<std::size_t>(2, nearest->size() / 3) &&
+      distance(*nearest) < nearest->size())
     return "; did you mean " + quote(*nearest) + "?";
   std::string text = "; it has: ";
   for (std::size_t i = 0; i < std::min(known.size(), kListed); ++i) text += (i ? ", " : "") + quote(known[i]);

@@ -16,7 +16,6 @@
 #include "launch/layer_factories.hpp"
 #include "launch/run.hpp"
 #include "scene/read_scene.hpp"
-#include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace {
@@ -130,8 +129,16 @@ void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers
 
 int check_command(const CheckOptions& options, std::ostream& out) {
   const scene::Scene scene = scene::read_scene(options.scene, options.overrides);
-  solve::check_network(scene);
+  const auto law_warnings = check_laws(scene);
   const auto tool_warnings = coordinator::check_tools(scene);
+  std::string occupied;
+  try {
+    check_addresses(scene);
+  } catch (const scene::SceneError&) {
+    throw;
+  } catch (const std::exception& e) {  // that may have ended when the run begins
+    occupied = e.what();
+  }
   const double bytes_before = read_resident_bytes();
   std::vector<LayerCheck> layers;
   std::vector<std::unique_ptr<solve::LayerMechanics>> kept(scene.layers.size());
@@ -144,6 +151,8 @@ int check_command(const CheckOptions& options, std::ostream& out) {
   print_layers(scene, layers, out);
   print_cost(scene, layers, votes, read_resident_bytes() - bytes_before, out);
   for (const auto& warning : scene::find_warnings(scene)) out << "warning     " << warning << '\n';
+  if (!occupied.empty()) out << "warning     exchange.address: " << occupied << '\n';
+  for (const auto& warning : law_warnings) out << "warning     " << warning << '\n';
   for (const auto& warning : tool_warnings) out << "warning     " << warning << '\n';
   return kDone;
 }

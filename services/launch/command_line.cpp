@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <new>
 #include <numeric>
 #include <sstream>
 
@@ -190,10 +191,13 @@ int run_command_line(int argc, char** argv) {
   } catch (const scene::SceneError& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return kRefused;
-  } catch (const OutputExists& e) {
+  } catch (const record::FolderRefused& e) {
     return refuse(e.what());
   } catch (const BadArgument& e) {
     return refuse(e.what());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "interply: there is not enough memory\n");
+    return kFailed;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "interply: %s\n", e.what());
     return kFailed;

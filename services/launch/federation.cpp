@@ -15,16 +15,22 @@ namespace {
 constexpr double kGraceAfterLoss = 1.5;
 constexpr double kRecorderGraceAfterLoss = 5;
 constexpr double kCoordinatorAfterSuspect = 5;
-constexpr double kGraceAfterCancel = 15;
+constexpr double kGraceAfterCancel = 1.0;  ///< with the next but two, all have ended within 2 s of a signal
 constexpr double kSolversAfterCoordinator = 3;
 constexpr double kRecorderAfterCoordinator = 30;
-constexpr double kKillAfterTerminate = 5;
+constexpr double kKillAfterTerminate = 0.6;
 
 /// A process that leaves with one of these has said why, or was told to: by itself no reason to name it as lost.
 bool is_orderly(const Child& child) {
   if (child.was_killed()) return false;
   const int code = child.exit_code();
-  return code == kDone || code == kDiverged || code == kLost || code == kCancelled;
+  return code == kDone || code == kFailed || code == kDiverged || code == kLost || code == kCancelled;
+}
+
+std::string quote_log(const Child& child) {
+  std::string text = child.last_lines().empty() ? "; its log is empty" : "; the last lines of its log:";
+  for (const auto& line : child.last_lines()) text += "\n    " + line;
+  return text;
 }
 
 /// Text after `prefix`, or nothing.
@@ -58,13 +64,16 @@ RunResult Federation::supervise() {
     stop_late();
   }
   RunResult result = cause_ ? *cause_ : result_;
+  result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
+  result.digest = result_.digest;
   for (const auto& p : processes_) result.cpu.push_back({p.child->name(), p.child->cpu_seconds()});
   return result;
 }
 
 void Federation::start(const Participant& participant) {
   processes_.push_back(
-      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"))});
+      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"),
+                               participant.inherited)});
 }
 
 void Federation::start_others(const std::string& bound) {
@@ -145,6 +154,7 @@ void Federation::reap_ended() {
     if (!p.child->reap()) continue;
     p.child->read_output([&](const auto& line) { handle_line(p, line); });
     ended.push_back(&p);
+    if (!is_coordinator(p) && !p.told_to_end && first_to_leave_ == nullptr) first_to_leave_ = p.child.get();
   }
   // A crash that made others leave in order comes first.
   std::stable_partition(ended.begin(), ended.end(), [](const auto* p) { return !is_orderly(*p->child); });
@@ -180,6 +190,12 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
     result_.message = "the mechanics diverged" + last;
   } else if (result_.exit_code == kLost) {
     result_.message = "a participant was lost" + last;
+    // however orderly it left: a law of the user's own may have ended it
+    if (first_to_leave_ && last.find(first_to_leave_->name()) != std::string::npos)
+      result_.message += fmt::format("\n{} (process {}) {}{}", first_to_leave_->name(), first_to_leave_->pid(),
+                                     first_to_leave_->describe_end(), quote_log(*first_to_leave_));
+  } else if (result_.exit_code == kFailed) {
+    result_.message = "the run could not go on" + last;
   } else if (result_.exit_code == kCancelled) {
     result_.message = "the run was cancelled";
   } else {
@@ -189,19 +205,15 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
 
 void Federation::report_lost(const Child& lost) {
   if (cause_ || result_.exit_code != kDone) return;
-  cause_ = {kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()), "", ""};
-  cause_->message += lost.last_lines().empty() ? "; its log is empty" : "; the last lines of its log:";
-  for (const auto& line : lost.last_lines()) cause_->message += "\n    " + line;
+  const bool failed = !lost.was_killed() && lost.exit_code() == kFailed;
+  cause_ = {failed ? kFailed : kLost, fmt::format("{} (process {}) {}", lost.name(), lost.pid(), lost.describe_end()),
+            "", ""};
+  cause_->message += quote_log(lost);
   terminal_.end_progress();
   terminal_.note(fmt::format("{} {}: stopping the others", lost.name(), lost.describe_end()));
   for (auto& p : processes_) {
     p.told_to_end = true;
     limit(p, p.child->name() == "recorder" ? kRecorderGraceAfterLoss : kGraceAfterLoss);
-  }
-  // Solvers are watched by the coordinator over their links; the recorder by nobody but us.
-  if (lost.name() == "recorder") {
-    processes_.front().child->send_signal(SIGTERM);
-    limit(processes_.front(), kRecorderGraceAfterLoss);
   }
 }
 

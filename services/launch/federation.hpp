@@ -24,6 +24,7 @@ namespace interply::launch {
 struct Participant {
   std::string name;                  ///< "coordinator", "recorder" or the layer's name
   std::vector<std::string> command;  ///< absolute path of the program and its arguments
+  int inherited = -1;                ///< descriptor of ours that it keeps open
 };
 
 /// What to start: the coordinator first; the others once it has said where it listens.
@@ -82,6 +83,7 @@ class Federation {
   int signals_ = -1;                 ///< signalfd
   std::list<Supervised> processes_;  ///< the coordinator first; addresses stay while others are added
   const Child* suspect_ = nullptr;   ///< left in order but too early; the coordinator should say why
+  const Child* first_to_leave_ = nullptr;  ///< while the coordinator ran, with any exit code
   bool bound_ = false, cancelled_ = false;
   std::optional<RunResult> cause_;  ///< first reason to end early that was seen here
   RunResult result_;                ///< what the coordinator said

@@ -10,15 +10,18 @@
 #include <iterator>
 #include <numbers>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "geometry/read_file.hpp"
+#include "geometry/text_lines.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
 #include "solve/vumat.hpp"
+#include "solve/vumat_probe.hpp"
 #include "solver_fabric/material_point.hpp"
 #include "solver_metal/material_point.hpp"
 
@@ -26,10 +29,11 @@ namespace interply::launch {
 
 namespace {
 
+constexpr double kPointDensity = 1e-9;    ///< t/mm3, of a point with a law of the user's own
 constexpr double kLargestTrueStrain = 5;  ///< a bar drawn to 150 times its length; beyond it a row is a slip of the pen
 
 [[noreturn]] void refuse(const std::string& origin, int line, const std::string& why) {
-  throw PathError(scene::to_line(fmt::format("{}:{}: {}", origin, line, why)));
+  throw PathError(process::to_line(fmt::format("{}:{}: {}", origin, line, why)));
 }
 
 /// One row of a path: its values in the order of the wanted columns, and where it stands.
@@ -38,17 +42,19 @@ struct Row {
   std::vector<double> values;
 };
 
-std::string_view trim(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
+std::string_view open_csv(std::string_view content, const std::string& origin) {
+  try {
+    return geometry::open_text(content, origin);
+  } catch (const geometry::Unreadable& error) {
+    throw PathError(error.what());
+  }
 }
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> cells;
   for (;;) {
     const auto comma = line.find(',');
-    cells.push_back(trim(line.substr(0, comma)));
+    cells.push_back(geometry::trim(line.substr(0, comma)));
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
   }
@@ -81,14 +87,12 @@ double read_number(const std::string& origin, int line, const std::string& colum
 
 /// All rows of a CSV text with exactly the columns `wanted`; empty lines are passed over.
 std::vector<Row> parse_path(const std::string& csv, const std::string& origin, const std::vector<std::string>& wanted) {
-  std::istringstream in(csv);
   std::vector<std::size_t> columns;
   std::vector<Row> rows;
-  std::string text;
-  for (int line = 1; std::getline(in, text); ++line) {
-    std::string_view content = text;
-    if (line == 1 && content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);  // byte order mark
-    content = trim(content);
+  geometry::Lines lines(open_csv(csv, origin), origin);
+  while (lines.next()) {
+    const int line = static_cast<int>(lines.number());
+    const std::string_view content = lines.line();
     if (content.empty()) continue;
     if (columns.empty()) {
       columns = find_columns(origin, line, content, wanted);
@@ -178,7 +182,7 @@ std::string follow(const scene::VumatLaw& law, const std::string& csv, const std
   constexpr double kLargestStep = 1e-3;
   const std::vector<Row> rows = parse_path(csv, origin, {"F11", "F12", "F21", "F22"});
   const std::vector<mechanics::Matrix2> path = read_gradients(rows, origin);
-  solve::VumatPoints point(law, "point", 1e-9, 1);
+  solve::VumatPoints point(law, "point", kPointDensity, 1);
   std::string text = "F11,F12,F21,F22,F33,sigma11_MPa,sigma22_MPa,sigma12_MPa";
   for (int i = 0; i < point.n_state(); ++i) text += fmt::format(",state_{}", i + 1);
   text += '\n';
@@ -221,12 +225,17 @@ int run_point(const std::filesystem::path& law, const std::filesystem::path& pat
               std::ostream& err) {
   try {
     const scene::Law read = scene::read_law(law);
+    if (const auto* own = std::get_if<scene::VumatLaw>(&read))
+      for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity)) err << "warning: " << warning << '\n';
     out << follow_path(read, read_text(path_csv), path_csv.string());
     return 0;
   } catch (const scene::SceneError& e) {
     err << e.what() << '\n';
   } catch (const PathError& e) {
     err << e.what() << '\n';
+  } catch (const mechanics::Divergence& e) {
+    err << e.what() << '\n';
+    return 3;
   }
   return 2;
 }

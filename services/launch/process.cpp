@@ -1,6 +1,7 @@
 #include "launch/process.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -12,6 +13,9 @@
 #include <cstring>
 #include <system_error>
 
+#include "process/words.hpp"
+#include "record/run_folder.hpp"
+
 namespace interply::launch {
 namespace {
 
@@ -22,7 +26,8 @@ constexpr std::size_t kLastLines = 5;
 }
 
 /// The child's side of the fork: only calls that are safe there. Reports a failed exec through `error_pipe`.
-[[noreturn]] void become_program(const std::vector<char*>& arguments, int output, int error_pipe, pid_t launcher) {
+[[noreturn]] void become_program(const std::vector<char*>& arguments, int output, int error_pipe, int inherited,
+                                 pid_t launcher) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != launcher) _exit(1);  // the launcher died before the line above
@@ -33,6 +38,8 @@ constexpr std::size_t kLastLines = 5;
   dup2(null, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+  if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
   execv(arguments[0], arguments.data());
   const int error = errno;
   [[maybe_unused]] const auto written = write(error_pipe, &error, sizeof error);
@@ -41,9 +48,11 @@ constexpr std::size_t kLastLines = 5;
 
 }  // namespace
 
-Child::Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log)
-    : name_(std::move(name)), log_(log) {
-  if (!log_) throw std::system_error(errno, std::generic_category(), "cannot write " + log.string());
+Child::Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log,
+             int inherited)
+    : name_(std::move(name)) {
+  record::begin_log(log, name_);
+  log_.open(log, std::ios::app);
   std::vector<char*> arguments;
   arguments.reserve(command.size() + 1);
   for (const auto& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -54,7 +63,7 @@ Child::Child(std::string name, const std::vector<std::string>& command, const st
   const pid_t launcher = getpid();
   pid_ = fork();
   if (pid_ < 0) throw_errno("cannot start " + command[0]);
-  if (pid_ == 0) become_program(arguments, output[1], failure[1], launcher);
+  if (pid_ == 0) become_program(arguments, output[1], failure[1], inherited, launcher);
 
   close(output[1]);
   close(failure[1]);
@@ -93,7 +102,7 @@ void Child::read_output(const std::function<void(const std::string&)>& on_line) 
       partial_.append(buffer.data(), static_cast<std::size_t>(n));
     }
     for (std::size_t end; (end = partial_.find('\n')) != std::string::npos;) {
-      const std::string line = partial_.substr(0, end);
+      const std::string line = process::to_line(std::string_view(partial_).substr(0, end));
       partial_.erase(0, end + 1);
       keep_line(line);
       on_line(line);

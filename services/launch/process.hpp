@@ -12,15 +12,18 @@
 
 namespace interply::launch {
 
-/// Started on construction, in its own process group (a terminal's Ctrl-C reaches only the launcher), and sent SIGTERM
-/// by the kernel if the launcher dies. Never waits: the owner polls `output()` and calls reap() on SIGCHLD.
+/// Started on construction, in its own process group (a terminal's Ctrl-C reaches only the launcher), without any
+/// descriptor of ours but `inherited`, and sent SIGTERM by the kernel if the launcher dies. Never waits: the owner polls
+/// `output()` and calls reap() on SIGCHLD.
 class Child {
  public:
   /// @param name     for messages
   /// @param command  absolute path of the program, then its arguments
   /// @param log      file that receives stdout and stderr, except lines beginning with "@progress "
+  /// @param inherited  descriptor that the program keeps open under the same number; -1: none
   /// @throws std::system_error if the program cannot be started
-  Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log);
+  Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log,
+        int inherited = -1);
   /// Kills and reaps the process if it still runs.
   ~Child();
   Child(const Child&) = delete;
@@ -32,7 +35,7 @@ class Child {
   /// File descriptor to poll for output, -1 after its end.
   int output() const { return output_; }
 
-  /// Reads what has arrived and passes every complete line on.
+  /// Reads what has arrived and passes every complete line on, fit for a terminal.
   void read_output(const std::function<void(const std::string&)>& on_line);
   /// True if the process has just ended; its output may still hold lines.
   bool reap();

@@ -1,33 +1,64 @@
 #include "launch/run.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
-#include <fstream>
-#include <stdexcept>
 
 #include "coordinator/tools.hpp"
+#include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace fs = std::filesystem;
 
-RunFolder prepare_folder(const scene::Scene& scene, const fs::path& out, bool overwrite) {
-  const RunFolder folder{out.empty() ? fs::path("runs") / scene.name : out};
-  if (fs::exists(folder.record()) && !overwrite) {
-    throw OutputExists(
-        fmt::format("{} holds a record already: choose another --out, or say --overwrite", folder.out.string()));
+namespace {
+
+/// Everything that the run will write.
+std::vector<fs::path> list_files(const scene::Scene& scene, const RunFolder& folder) {
+  std::vector<fs::path> files = record::list_run_files(folder.out);
+  for (const char* name : {"coordinator", "recorder"}) files.push_back(folder.log(name));
+  for (const scene::Layer& layer : scene.layers) files.push_back(folder.log(layer.name));
+  return files;
+}
+
+/// Logs of an earlier run, whatever layers it had.
+std::vector<fs::path> find_old_logs(const RunFolder& folder) {
+  std::vector<fs::path> logs;
+  if (fs::is_directory(folder.logs()))
+    for (const auto& entry : fs::directory_iterator(folder.logs()))
+      if (entry.path().extension() == ".log" && record::was_written_by_a_run(entry.path())) logs.push_back(entry.path());
+  return logs;
+}
+
+}  // namespace
+
+void check_addresses(const scene::Scene& scene, const std::string& address) {
+  solve::check_network(scene);
+  const std::string& chosen = address.empty() ? scene.exchange.address : address;
+  if (chosen == "shm" || chosen == "ipc") return;
+  try {
+    exchange::check_listening(chosen);
+  } catch (const exchange::BadAddress& e) {
+    throw scene::SceneError((address.empty() ? "exchange.address: " : "--address: ") + std::string(e.what()));
   }
-  for (const auto& old : {folder.record(), folder.sidecar(), folder.logs()}) fs::remove_all(old);
+}
+
+RunFolder prepare_folder(const scene::Scene& scene, const fs::path& out, bool overwrite) {
+  const fs::path path = out.empty() ? fs::path("runs") / scene.name : out;
+  RunFolder folder{path, record::FolderLock(path, "scene " + process::to_line(scene.name))};
+  const std::vector<fs::path> files = list_files(scene, folder);
+  record::check_room_for(files, overwrite);
+  record::make_room_for(files);
+  record::make_room_for(find_old_logs(folder));
   fs::create_directories(folder.logs());
-  std::ofstream file(folder.scene());
-  file << scene.text;
-  file.close();
-  if (!file) throw std::runtime_error(fmt::format("cannot write {}", folder.scene().string()));
+  record::write_scene(folder.scene(), scene.text);
   return folder;
 }
 
@@ -43,6 +74,20 @@ std::string make_run_name(const std::string& scene_name) {
 }
 
 namespace {
+
+/// Of a run that is not done.
+std::string find_status(int exit_code) {
+  switch (exit_code) {
+    case kDiverged:
+      return "diverged";
+    case kLost:
+      return "lost";
+    case kCancelled:
+      return "cancelled";
+    default:
+      return "failed";
+  }
+}
 
 void print_result(const RunResult& result, const RunFolder& folder, bool quiet, Terminal& terminal) {
   terminal.end_progress();
@@ -63,13 +108,15 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
 }  // namespace
 
 int run_command(const RunOptions& options) {
+  ::umask(0077);                  // what a run writes is the user's alone
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
-  check_laws(scene);
-  solve::check_network(scene);
-  std::vector<std::string> warnings = scene::find_warnings(scene);
+  std::vector<std::string> warnings = check_laws(scene);
+  for (const std::string& warning : scene::find_warnings(scene)) warnings.push_back(warning);
   for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
+  check_addresses(scene, options.address);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);
   Terminal terminal(stdout, options.quiet);
   for (const auto& warning : warnings) terminal.note("warning: " + warning);
@@ -78,6 +125,7 @@ int run_command(const RunOptions& options) {
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;
   const RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
                                               : run_federated(scene, folder, run_name, address, terminal);
+  if (result.exit_code != kDone) record::settle_record(folder.out, find_status(result.exit_code), result.message);
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;
 }

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "launch/terminal.hpp"
+#include "record/run_folder.hpp"
 #include "scene/scene.hpp"
 
 namespace interply::launch {
@@ -25,12 +25,6 @@ struct RunOptions {
   bool quiet = false;
 };
 
-/// A record of an earlier run is in the way.
-class OutputExists : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// CPU time of one participant, s.
 struct CpuTime {
   std::string name;  ///< "coordinator", "recorder" or the layer's name
@@ -46,17 +40,24 @@ struct RunResult {
   std::vector<CpuTime> cpu;  ///< of each process; empty if there was only one
 };
 
-/// Where one run puts its files.
+/// Where one run puts its files; taken as long as this lives.
 struct RunFolder {
   std::filesystem::path out;
+  record::FolderLock lock;
   std::filesystem::path scene() const { return out / "scene.yaml"; }
   std::filesystem::path record() const { return out / "record.h5"; }
   std::filesystem::path sidecar() const { return out / "record.xdmf"; }
   std::filesystem::path logs() const { return out / "logs"; }
+  std::filesystem::path log(const std::string& participant) const { return logs() / (participant + ".log"); }
 };
 
-/// Creates the folder with the resolved scene. Records and logs of an earlier run are removed if `overwrite`.
-/// @throws OutputExists naming the record that is in the way; std::runtime_error if the folder cannot be written
+/// Whether this host can listen and publish where the scene says, or `address` if that is given.
+/// @throws scene::SceneError; std::runtime_error if somebody else listens there at present
+void check_addresses(const scene::Scene& scene, const std::string& address = {});
+
+/// Takes the folder (empty: runs/<scene name>) and puts the resolved scene there. What an earlier run wrote is removed if
+/// `overwrite`, once nothing is in the way any more.
+/// @throws record::FolderRefused; std::runtime_error if the folder cannot be written
 RunFolder prepare_folder(const scene::Scene& scene, const std::filesystem::path& out, bool overwrite);
 
 /// The scene's name with a unique ending; letters, digits, '_', '-' and '.' only.

@@ -50,10 +50,50 @@ class SignalWatch {
   std::thread thread_;
 };
 
+/// The record, whose failure ends the run in order instead of one of its threads.
+class Record : public observe::Sink {
+ public:
+  explicit Record(const std::filesystem::path& file) : writer_(file) {}
+  void put(const observe::RunHeader& a) override { keep(a); }
+  void put(const observe::LayerMesh& a) override { keep(a); }
+  void put(const observe::LayerFrame& a) override { keep(a); }
+  void put(const observe::InterfaceFrame& a) override { keep(a); }
+  void put(const observe::ToolFrame& a) override { keep(a); }
+  void put(const observe::HistoryRow& a) override { keep(a); }
+  void put(const observe::RunEnd& a) override {
+    writer_.put(a);
+    guard([&] { writer_.close(); });
+  }
+  bool flush(double) override { return true; }
+  std::string failure() const override {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+  }
+
+ private:
+  template <typename T>
+  void keep(const T& a) {
+    if (failure().empty()) guard([&] { writer_.put(a); });
+  }
+  template <typename Action>
+  void guard(Action&& action) try {
+    action();
+  } catch (const std::exception& e) {
+    const std::lock_guard lock(mutex_);
+    if (failure_.empty()) failure_ = e.what();
+  }
+  record::RecordWriter writer_;
+  mutable std::mutex mutex_;
+  std::string failure_;
+};
+
 std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
   std::vector<exchange::Expected> expected;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
-    expected.push_back({scene.layers[i].name, solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+    const scene::Layer& layer = scene.layers[i];
+    expected.push_back({.layer = layer.name,
+                        .n_nodes = solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes(),
+                        .kind = solve::to_word(layer.kind())});
   }
   return expected;
 }
@@ -64,7 +104,7 @@ void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub
   const auto& layer = scene.layers[static_cast<std::size_t>(index)];
   try {
     const auto link = hub.connect();
-    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process"},
+    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process", .kind = solve::to_word(layer.kind())},
                scene.exchange.startup_deadline);
     solve::run_session(scene, index, find_layer_factory(layer.kind()), *link, sink);
   } catch (const exchange::Stopped&) {  // the coordinator says why
@@ -79,7 +119,7 @@ void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub
 RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, const std::string& run_name,
                          Terminal& terminal) {
   std::unique_ptr<observe::Sink> sink = std::make_unique<observe::NullSink>();
-  if (scene.record.frames > 0) sink = std::make_unique<record::RecordWriter>(folder.record());
+  if (scene.record.frames > 0) sink = std::make_unique<Record>(folder.record());
   std::mutex terminal_mutex;
   const auto log = [&](const std::string& line) {
     const std::lock_guard lock(terminal_mutex);
@@ -98,12 +138,12 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
     for (int i = 0; i < static_cast<int>(scene.layers.size()); ++i) {
       layers.emplace_back([&, i] { run_layer(scene, i, hub, *sink, log); });
     }
-    try {
-      outcome = coordinator::run(scene, run_name, hub.coordinator(), *sink, report, log);
-    } catch (const std::exception& e) {  // the disk fails: the record is a participant, too
-      outcome = {.exit_code = kLost, .message = e.what(), .digest = "", .summary = ""};
-    }
+    outcome = coordinator::run(scene, run_name, hub.coordinator(), *sink, report, log);
     hub.close();
+  }
+  if (outcome.exit_code == kDone && !sink->failure().empty()) {  // at the last moment
+    outcome.exit_code = kFailed;
+    outcome.message = sink->failure();
   }
   return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest};
 }

@@ -10,16 +10,22 @@
 
 namespace interply::mechanics {
 
-TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, double h, double z, bool symmetric) {
-  const int nx = std::max(1, static_cast<int>(std::lround((x[1] - x[0]) / h)));
-  const int ny = std::max(1, static_cast<int>(std::lround((y[1] - y[0]) / h)));
+namespace {
+
+int count_cells(double length, double h) { return std::max(1, static_cast<int>(std::lround(length / h))); }
+
+/// Nodes at every x and y, x fastest.
+/// @param first  0: the diagonal of the first cell starts at its corner (x[0], y[0]); 1: at the next one
+TriangleMesh make_grid(const std::vector<double>& x, const std::vector<double>& y, double z, bool symmetric,
+                       int first) {
+  const int nx = static_cast<int>(x.size()) - 1, ny = static_cast<int>(y.size()) - 1;
   TriangleMesh mesh;
   mesh.reference.resize(3, (nx + 1) * (ny + 1));
   for (int j = 0; j <= ny; ++j) {
     for (int i = 0; i <= nx; ++i) {
       const int node = j * (nx + 1) + i;
-      mesh.reference(0, node) = x[0] + (x[1] - x[0]) * i / nx;
-      mesh.reference(1, node) = y[0] + (y[1] - y[0]) * j / ny;
+      mesh.reference(0, node) = x[static_cast<std::size_t>(i)];
+      mesh.reference(1, node) = y[static_cast<std::size_t>(j)];
       mesh.reference(2, node) = z;
       if (symmetric && j == 0) mesh.symmetry_nodes.push_back(node);
     }
@@ -29,7 +35,7 @@ TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, do
     for (int i = 0; i < nx; ++i) {
       const int a = j * (nx + 1) + i, b = a + 1, c = a + nx + 2, d = a + nx + 1;
       const int e = 2 * (j * nx + i);
-      if ((i + j) % 2 == 0) {  // diagonal a-c
+      if ((i + j + first) % 2 == 0) {  // diagonal a-c
         mesh.triangles.col(e) << a, b, c;
         mesh.triangles.col(e + 1) << a, c, d;
       } else {  // diagonal b-d
@@ -42,7 +48,19 @@ TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, do
   return mesh;
 }
 
-namespace {
+/// n + 1 coordinates from `from` to `to`.
+std::vector<double> divide(double from, double to, int n) {
+  std::vector<double> at;
+  for (int i = 0; i <= n; ++i) at.push_back(from + (to - from) * i / n);
+  return at;
+}
+
+/// Coordinates of n cells to either side of 0, or to the right only: each the exact negative of its mirror image.
+std::vector<double> divide_from_centre(double half_length, int n, bool only_right) {
+  std::vector<double> at;
+  for (int i = only_right ? 0 : -n; i <= n; ++i) at.push_back(half_length * i / n);
+  return at;
+}
 
 /// Diagonal of the box around the points, mm.
 double compute_size(const std::vector<std::array<double, 2>>& points) {
@@ -62,6 +80,18 @@ std::string to_text(const std::array<double, 2>& point) {
 }
 
 }  // namespace
+
+TriangleMesh make_blank(double length, double width, double h, double z, bool half, Diagonals diagonals) {
+  const int nx = count_cells(0.5 * length, h), ny = count_cells(0.5 * width, h);
+  const int cells_before_centre = nx + (half ? 0 : ny);
+  return make_grid(divide_from_centre(0.5 * length, nx, false), divide_from_centre(0.5 * width, ny, half), z, half,
+                   (cells_before_centre + (diagonals == Diagonals::Around ? 1 : 0)) % 2);
+}
+
+TriangleMesh make_rectangle(std::array<double, 2> x, std::array<double, 2> y, double h, double z, bool symmetric) {
+  return make_grid(divide(x[0], x[1], count_cells(x[1] - x[0], h)), divide(y[0], y[1], count_cells(y[1] - y[0], h)), z,
+                   symmetric, 0);
+}
 
 TriangleMesh make_mesh(const std::vector<std::array<double, 2>>& points,
                        const std::vector<std::array<int, 3>>& triangles, double z, bool half) {

@@ -20,8 +20,21 @@ struct TriangleMesh {
   Eigen::Index n_elements() const { return triangles.cols(); }
 };
 
-/// Right triangles on a regular grid, legs along x and y, diagonals alternating like a chequerboard, as in the shipped
-/// scenes. Nodes run with x fastest. Sides are divided into round(length/h) cells, at least one.
+/// Which diagonals of the grid of a rectangular blank run through its centre: all four that could, or none.
+enum class Diagonals { Centre, Around };
+
+/// Rectangular blank centred on the origin: right triangles on a regular grid, legs along x and y, diagonals
+/// alternating like a chequerboard. Cells and diagonals are counted from the centre, round(length/2h) cells (at least
+/// one) to either side along x and along y, so that the mesh is its own mirror image in both axes and the half model's
+/// mesh is one half of the full one's, node by node, whatever the mesh size. Nodes run with x fastest.
+/// @param length, width  along x and y, mm
+/// @param h              wanted mesh size, mm
+/// @param z              height of the midsurface, mm
+/// @param half           only y >= 0; the nodes at y = 0 are held in that plane
+TriangleMesh make_blank(double length, double width, double h, double z, bool half, Diagonals diagonals);
+
+/// Any rectangle with diagonals that alternate from its corner (x[0], y[0]), the first cell's starting there. Sides are
+/// divided into round(length/h) cells, at least one.
 /// @param x, y   {min, max} of the rectangle, mm
 /// @param h      wanted mesh size, mm
 /// @param z      height of the midsurface, mm

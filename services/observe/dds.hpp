@@ -38,10 +38,6 @@ class DdsSink : public Sink {
   /// Leaves at once: flush() first if what was put last matters.
   ~DdsSink() override;
 
-  /// Waits until a recorder (Role::Recorder) reads all topics, or `seconds` have passed: false. What is put afterwards
-  /// is not lost to that recorder.
-  bool wait_for_reader(double seconds);
-
   void put(const RunHeader&) override;
   void put(const LayerMesh&) override;
   void put(const LayerFrame&) override;
@@ -56,14 +52,11 @@ class DdsSink : public Sink {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Who reads: a run waits for its recorder, never for others.
-enum class Role { Recorder, Monitor };
-
 /// Reads everything that is published in `options.run`.
 class DdsSubscriber {
  public:
   /// @throws std::runtime_error with a sentence if options are unusable or no participant can be created
-  explicit DdsSubscriber(const DdsOptions& options, Role role = Role::Monitor);
+  explicit DdsSubscriber(const DdsOptions& options);
   ~DdsSubscriber();
 
   /// Hands samples that have arrived to `handler`, waiting at most `seconds` for the first one: the header first, then

@@ -22,6 +22,10 @@ dds_sequence_long view(const mechanics::Triangles& a) {
   const auto length = static_cast<std::uint32_t>(a.size());
   return {length, length, const_cast<int*>(a.data()), false};
 }
+dds_sequence_long_long view(const std::vector<std::int64_t>& a) {
+  const auto length = static_cast<std::uint32_t>(a.size());
+  return {length, length, const_cast<std::int64_t*>(a.data()), false};
+}
 dds_sequence_string view(const std::vector<std::string>& a, std::vector<char*>& pointers) {
   for (const std::string& s : a) pointers.push_back(view(s));
   const auto length = static_cast<std::uint32_t>(pointers.size());
@@ -37,6 +41,7 @@ Sequence view(const std::vector<Field>& a, std::vector<interply_observe_Field>& 
 }
 
 std::vector<double> copy(const dds_sequence_double& w) { return {w._buffer, w._buffer + w._length}; }
+std::vector<std::int64_t> copy(const dds_sequence_long_long& w) { return {w._buffer, w._buffer + w._length}; }
 std::vector<std::string> copy(const dds_sequence_string& w) { return {w._buffer, w._buffer + w._length}; }
 
 /// [3 x n] row-major array.
@@ -112,7 +117,9 @@ Encoded<RunHeader> encode(const RunHeader& a, const std::string& run) {
               .tools = view(a.tools, e.strings[2]),
               .interface_nodes_of = view(a.interface_nodes_of, e.strings[3]),
               .frames = a.frames,
-              .history_capacity = a.history_capacity};
+              .history_capacity = a.history_capacity,
+              .nodes = view(a.nodes),
+              .elements = view(a.elements)};
   return e;
 }
 
@@ -201,7 +208,8 @@ Encoded<RunEnd> encode(const RunEnd& a, const std::string& run) {
               .status = view(a.status),
               .message = view(a.message),
               .digest = view(a.digest),
-              .frames_complete = a.frames_complete};
+              .frames_complete = a.frames_complete,
+              .summary = view(a.summary)};
   return e;
 }
 
@@ -215,7 +223,9 @@ RunHeader decode(const interply_observe_RunHeader& w) {
           .tools = copy(w.tools),
           .interface_nodes_of = copy(w.interface_nodes_of),
           .frames = w.frames,
-          .history_capacity = w.history_capacity};
+          .history_capacity = w.history_capacity,
+          .nodes = copy(w.nodes),
+          .elements = copy(w.elements)};
 }
 
 LayerMesh decode(const interply_observe_LayerMesh& w) {
@@ -283,7 +293,11 @@ HistoryRow decode(const interply_observe_HistoryRow& w) {
 }
 
 RunEnd decode(const interply_observe_RunEnd& w) {
-  return {.status = w.status, .message = w.message, .digest = w.digest, .frames_complete = w.frames_complete};
+  return {.status = w.status,
+          .message = w.message,
+          .digest = w.digest,
+          .frames_complete = w.frames_complete,
+          .summary = w.summary};
 }
 
 }  // namespace interply::observe

@@ -82,14 +82,16 @@ struct RunHeader {
   std::vector<std::string> interface_nodes_of;         ///< layer whose nodes carry each interface's fields
   int frames = 0;                ///< frames to come, beside the initial one
   int history_capacity = 0;      ///< largest number of history rows
+  std::vector<std::int64_t> nodes, elements;  ///< of each layer's mesh; empty: not told
 };
 
 /// Sent once by the coordinator when the run ends.
 struct RunEnd {
-  std::string status;   ///< "done", "diverged", "lost", "cancelled"
+  std::string status;   ///< "done", "diverged", "lost", "cancelled", "failed"
   std::string message;  ///< one sentence
   std::string digest;   ///< final state of all layers, hex; empty unless done
   int frames_complete = 0;  ///< frames, initial one included, that every layer was told to publish
+  std::string summary;      ///< numbers of the summary, JSON; may be empty
 };
 
 /// Where a participant puts what may be watched. Calls never block the step for long and never throw on a lost reader.
@@ -105,6 +107,8 @@ class Sink {
   virtual void put(const RunEnd&) = 0;
   /// Waits until everything put so far has been received (DDS acknowledgement) or `seconds` have passed.
   virtual bool flush(double seconds) = 0;
+  /// Why it keeps nothing any more, one sentence; empty: it does.
+  virtual std::string failure() const { return {}; }
 };
 
 }  // namespace interply::observe

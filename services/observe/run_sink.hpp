@@ -1,4 +1,4 @@
-/// The sink of one participant of a federated run: DDS with a recorder listening, or nothing.
+/// What one participant of a federated run publishes for those who watch: over DDS, or nothing.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace interply::observe {
 
-/// Keeps nothing: runs without a record.
+/// Keeps nothing.
 class NullSink : public Sink {
  public:
   void put(const RunHeader&) override {}
@@ -20,13 +20,7 @@ class NullSink : public Sink {
   bool flush(double) override { return true; }
 };
 
-/// For whoever watches a run: a DdsSink; a NullSink if nothing is published or, with one warning, if DDS cannot be opened
-/// (more than 120 participants on this host, no descriptors left): who watches never holds a run.
+/// For whoever watches a run: a DdsSink, or a NullSink if nothing is published or (one line in the log) nothing can be.
 std::unique_ptr<Sink> make_watch_sink(bool published, const DdsOptions& options);
-
-/// A DdsSink whose recorder is listening, or a NullSink if the run keeps no record.
-/// @param deadline  s to wait for the recorder
-/// @throws std::runtime_error naming the run and how to start a recorder, if none appears in time
-std::unique_ptr<Sink> make_run_sink(bool recorded, const DdsOptions& options, double deadline);
 
 }  // namespace interply::observe

@@ -3,8 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
-#include <stdexcept>
 
 #include "record/history.hpp"
 
@@ -34,7 +34,7 @@ void check_names(const std::vector<std::string>& names, const char* kind) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
     if (name.empty() || !seen.insert(to_path_name(name)).second) {
-      throw std::runtime_error(fmt::format("{} name '{}' cannot be recorded: it is empty or, as '{}', not unique", kind,
+      throw Misfit(fmt::format("{} name '{}' cannot be recorded: it is empty or, as '{}', not unique", kind,
                                            name, to_path_name(name)));
     }
   }
@@ -151,41 +151,30 @@ void make_file(const Handle& file, const Layout& layout) {
   make_history(file, header);
 }
 
-/// Every field needs one value per node or element of the mesh that carries it.
-void check_points(const std::string& owner, const observe::LayerMesh& mesh, const std::vector<FieldShape>& fields) {
-  for (const FieldShape& f : fields) {
-    const Eigen::Index expected = f.nodal ? mesh.reference.cols() : mesh.triangles.cols();
-    if (static_cast<Eigen::Index>(f.points) != expected) {
-      throw std::runtime_error(fmt::format("field '{}' of '{}' has {} values for {} {} of layer '{}'", f.name, owner,
-                                           f.points, expected, f.nodal ? "nodes" : "elements", mesh.layer));
-    }
-  }
-}
-
 void check_meshes(const Layout& layout) {
-  for (const auto& [layer, fields] : layout.layer_fields) check_points(layer, layout.meshes.at(layer), fields);
+  for (const auto& [layer, fields] : layout.layer_fields) check_fields(layer, layout.meshes.at(layer), fields);
   const observe::RunHeader& header = layout.header;
   if (header.interface_nodes_of.size() != header.interfaces.size()) {
-    throw std::runtime_error(fmt::format("the run's header names carriers of {} interfaces, not of {}",
+    throw Misfit(fmt::format("the run's header names carriers of {} interfaces, not of {}",
                                          header.interface_nodes_of.size(), header.interfaces.size()));
   }
   for (std::size_t i = 0; i < header.interfaces.size(); ++i) {
     const std::string& carrier = header.interface_nodes_of[i];
     if (std::find(header.layers.begin(), header.layers.end(), carrier) == header.layers.end()) {
-      throw std::runtime_error(fmt::format("interface '{}' is carried by '{}', which is no layer of the run",
+      throw Misfit(fmt::format("interface '{}' is carried by '{}', which is no layer of the run",
                                            header.interfaces[i], carrier));
     }
     const auto mesh = layout.meshes.find(carrier);
     const auto fields = layout.interface_fields.find(header.interfaces[i]);
     if (mesh != layout.meshes.end() && fields != layout.interface_fields.end()) {
-      check_points(fields->first, mesh->second, fields->second);
+      check_fields(fields->first, mesh->second, fields->second);
     }
   }
 }
 
 void check_layout(const Layout& layout) {
   if (layout.header.frames < 0) {
-    throw std::runtime_error(fmt::format("a run cannot be recorded with {} frames to come", layout.header.frames));
+    throw Misfit(fmt::format("a run cannot be recorded with {} frames to come", layout.header.frames));
   }
   check_names(layout.header.layers, "layer");
   check_names(layout.header.interfaces, "interface");
@@ -234,6 +223,16 @@ std::string describe_fields(const std::string& owner, const std::vector<observe:
 }
 
 }  // namespace
+
+void check_fields(const std::string& owner, const observe::LayerMesh& mesh, const std::vector<FieldShape>& fields) {
+  for (const FieldShape& f : fields) {
+    const Eigen::Index expected = f.nodal ? mesh.reference.cols() : mesh.triangles.cols();
+    if (static_cast<Eigen::Index>(f.points) != expected) {
+      throw Misfit(fmt::format("field '{}' of '{}' has {} values for {} {} of layer '{}'", f.name, owner,
+                                           f.points, expected, f.nodal ? "nodes" : "elements", mesh.layer));
+    }
+  }
+}
 
 std::string to_path_name(const std::string& name) {
   std::string out = name;
@@ -303,17 +302,31 @@ void RecordFile::write(const observe::ToolFrame& frame) {
   write_row(dataset(group + "/force"), frame.frame, {frame.force, frame.force + 3});
 }
 
-void RecordFile::write(const observe::HistoryRow& row, int index) {
-  write_row(dataset("history/step"), index, row.step);
+void RecordFile::write(std::span<const observe::HistoryRow> rows, int first) {
+  const auto begin = static_cast<hsize_t>(first), count = static_cast<hsize_t>(rows.size());
+  std::vector<std::int64_t> steps;
+  for (const observe::HistoryRow& row : rows) steps.push_back(row.step);
+  write_rows(dataset("history/step"), begin, count, steps);
+  std::vector<double> values;
   for (const ScalarColumn& c : scalar_columns()) {
-    write_row(dataset(std::string("history/") + c.name), index, std::vector{row.*c.value});
+    values.clear();
+    for (const observe::HistoryRow& row : rows) values.push_back(row.*c.value);
+    write_rows(dataset(std::string("history/") + c.name), begin, count, values);
   }
   for (const ListColumn& c : list_columns()) {
-    const std::vector<double>& values = row.*c.values;
     const std::size_t width = c.per_interface ? layout_.header.interfaces.size() : layout_.header.layers.size();
-    if (values.size() == width && width > 0) write_row(dataset(std::string("history/") + c.name), index, values);
+    if (width == 0) continue;
+    values.clear();
+    for (const observe::HistoryRow& row : rows) {
+      const std::vector<double>& list = row.*c.values;
+      if (list.size() == width)
+        values.insert(values.end(), list.begin(), list.end());
+      else
+        values.insert(values.end(), width, std::numeric_limits<double>::quiet_NaN());
+    }
+    write_rows(dataset(std::string("history/") + c.name), begin, count, values);
   }
-  write_scalar(dataset("history/rows_complete"), index + 1);
+  write_scalar(dataset("history/rows_complete"), first + static_cast<int>(rows.size()));
 }
 
 void RecordFile::complete_frame(int frame, double time, std::int64_t step) {

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,12 @@ namespace interply::record {
 /// `name` as part of an HDF5 and XDMF path: every character but letters, digits and . _ - | + becomes '_'.
 std::string to_path_name(const std::string& name);
 
+/// Values that do not belong to this run or do not fit it: whose, and what is wrong.
+class Misfit : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Shape of one field.
 struct FieldShape {
   std::string name, unit, description;
@@ -28,6 +36,9 @@ struct FieldShape {
   std::size_t points = 0;
 };
 std::vector<FieldShape> shapes_of(const std::vector<observe::Field>& fields);
+
+/// Every field needs one value per node or element of the mesh that carries it. @throws Misfit
+void check_fields(const std::string& owner, const observe::LayerMesh& mesh, const std::vector<FieldShape>& fields);
 
 /// Everything that fixes the layout. Layers and interfaces that are not in the maps get a group without frames.
 struct Layout {
@@ -39,7 +50,7 @@ struct Layout {
 
 class RecordFile {
  public:
-  /// Creates the file at `path`. @throws std::runtime_error, also if the disk cannot hold it
+  /// Creates the file at `path`. @throws Misfit; std::runtime_error if it cannot be written or the disk cannot hold it
   RecordFile(const std::filesystem::path& path, Layout layout);
 
   const Layout& layout() const { return layout_; }
@@ -52,8 +63,9 @@ class RecordFile {
   void write(const observe::LayerFrame& frame);
   void write(const observe::InterfaceFrame& frame);
   void write(const observe::ToolFrame& frame);
-  /// Row `index` of /history, then rows_complete. A list without one value per layer (interface) stays NaN.
-  void write(const observe::HistoryRow& row, int index);
+  /// Rows `first`, `first` + 1, ... of /history, then rows_complete: a write per column however many they are. A list
+  /// without one value per layer (interface) stays NaN.
+  void write(std::span<const observe::HistoryRow> rows, int first);
   /// Time and step of frame `frame`; then, once all its data are in the file, frames_complete = frame + 1.
   void complete_frame(int frame, double time, std::int64_t step);
   void write_end(const std::string& status, const std::string& message, const std::string& digest);

@@ -75,10 +75,10 @@ hsize_t select_rows(const Handle& space, const Shape& shape, hsize_t begin, hsiz
   return std::accumulate(extent.begin(), extent.end(), hsize_t{1}, std::multiplies<>());
 }
 
-void write_selected_row(const Handle& dataset, hsize_t row, hid_t type, const void* data, hsize_t size) {
+void write_selected(const Handle& dataset, hsize_t begin, hsize_t count, hid_t type, const void* data, hsize_t size) {
   const Handle space(check(H5Dget_space(dataset.id()), "open a data space"));
-  const hsize_t n = select_rows(space, shape_of(dataset), row, 1);
-  if (n != size) throw std::logic_error(fmt::format("a row of {} values is written with {}", n, size));
+  const hsize_t n = select_rows(space, shape_of(dataset), begin, count);
+  if (n != size) throw std::logic_error(fmt::format("rows of {} values are written with {}", n, size));
   const Handle memory = make_space({n});
   check(H5Dwrite(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, data), "write to the record");
 }
@@ -163,10 +163,16 @@ void write_all(const Handle& dataset, const int* data) {
 }
 
 void write_row(const Handle& dataset, hsize_t row, const std::vector<double>& values) {
-  write_selected_row(dataset, row, H5T_NATIVE_DOUBLE, values.data(), values.size());
+  write_rows(dataset, row, 1, values);
 }
 void write_row(const Handle& dataset, hsize_t row, std::int64_t value) {
-  write_selected_row(dataset, row, H5T_NATIVE_INT64, &value, 1);
+  write_selected(dataset, row, 1, H5T_NATIVE_INT64, &value, 1);
+}
+void write_rows(const Handle& dataset, hsize_t begin, hsize_t count, const std::vector<double>& values) {
+  write_selected(dataset, begin, count, H5T_NATIVE_DOUBLE, values.data(), values.size());
+}
+void write_rows(const Handle& dataset, hsize_t begin, hsize_t count, const std::vector<std::int64_t>& values) {
+  write_selected(dataset, begin, count, H5T_NATIVE_INT64, values.data(), values.size());
 }
 
 void write_scalar(const Handle& dataset, int value) { write_all(dataset, &value); }

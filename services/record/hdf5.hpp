@@ -63,6 +63,9 @@ void write_all(const Handle& dataset, const int* data);
 /// Entry `row` of the first dimension; @pre values.size() is the product of the others
 void write_row(const Handle& dataset, hsize_t row, const std::vector<double>& values);
 void write_row(const Handle& dataset, hsize_t row, std::int64_t value);
+/// Entries [begin, begin + count) of the first dimension; @pre values.size() is `count` times the product of the others
+void write_rows(const Handle& dataset, hsize_t begin, hsize_t count, const std::vector<double>& values);
+void write_rows(const Handle& dataset, hsize_t begin, hsize_t count, const std::vector<std::int64_t>& values);
 /// A scalar integer.
 void write_scalar(const Handle& dataset, int value);
 /// Texts in order, each cut to the dataset's length at a character's start.

@@ -1,74 +1,130 @@
-/// interply-recorder: keeps one run on disk.
+/// interply-recorder: keeps one run on disk. It takes part in the run over the exchange as a solver does, so nothing is
+/// lost on the way, and the run waits for it.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
+#include <array>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 #include <string>
 
-#include "observe/dds.hpp"
+#include "exchange/zeromq.hpp"
+#include "observe/sample.hpp"
+#include "record/file.hpp"
 #include "record/writer.hpp"
 
 namespace {
 
-using interply::observe::DdsOptions;
-using interply::observe::DdsSubscriber;
-using interply::observe::Role;
-using interply::record::RecordWriter;
+using namespace interply;
+using exchange::StopReason;
+using record::Misfit;
+using record::RecordWriter;
 
-constexpr int kDone = 0, kFailed = 1, kCancelled = 5;
-constexpr double kPoll = 0.2;         ///< s
-constexpr double kStragglers = 10.0;  ///< s after the end of the run
-constexpr double kSilence = 15.0;     ///< s without any publisher before the run counts as lost
+constexpr int kDone = 0, kFailed = 1, kRefused = 2, kLost = 4, kCancelled = 5;
+constexpr double kPoll = 0.2;  ///< s
 
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
-/// Seconds since a condition has become true.
-class Stopwatch {
+/// Lets through what the participant may say: a solver speaks for its own layer, everything else is the coordinator's.
+class Gate : public observe::Sink {
  public:
-  double read(bool condition) {
-    const Clock::time_point now = Clock::now();
-    if (!condition) since_ = now;
-    return std::chrono::duration<double>(now - since_).count();
-  }
+  Gate(RecordWriter& writer, const std::string& layer) : writer_(writer), layer_(layer) {}
+  void put(const observe::RunHeader& a) override { pass(a, ""); }
+  void put(const observe::LayerMesh& a) override { pass(a, a.layer); }
+  void put(const observe::LayerFrame& a) override { pass(a, a.layer); }
+  void put(const observe::InterfaceFrame& a) override { pass(a, ""); }
+  void put(const observe::ToolFrame& a) override { pass(a, ""); }
+  void put(const observe::HistoryRow& a) override { pass(a, ""); }
+  void put(const observe::RunEnd& a) override { pass(a, ""); }
+  bool flush(double) override { return true; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point since_ = Clock::now();
+  template <typename T>
+  void pass(const T& a, const std::string& owner) {
+    if (owner != layer_) throw Misfit("is not its own");
+    writer_.put(a);
+  }
+  RecordWriter& writer_;
+  const std::string& layer_;
 };
 
+/// @throws Misfit naming the participant; std::runtime_error if the disk fails
+void keep(const exchange::Sample& sample, RecordWriter& writer) {
+  Gate gate(writer, sample.layer);
+  const auto refuse = [&](const char* why) {
+    throw Misfit(
+        fmt::format("a sample of {} cannot be kept: {}", sample.layer.empty() ? "the coordinator" : sample.layer, why));
+  };
+  try {
+    observe::decode_sample(sample.payload, gate);
+  } catch (const Misfit& misfit) {
+    refuse(misfit.what());
+  } catch (const std::invalid_argument& unreadable) {
+    refuse(unreadable.what());
+  }
+}
+
 /// Records until the run has ended. @return exit code
-int record(DdsSubscriber& subscriber, RecordWriter& writer, const std::string& run, double patience) {
-  Stopwatch waiting, ended, deserted;
+int record_run(exchange::RecorderLink& link, RecordWriter& writer) {
+  exchange::Recorded told;
+  const auto tell = [&] {
+    writer.flush(0);
+    const exchange::Recorded now{writer.frames_complete(), writer.rows_settled(), false};
+    if (now.frames == told.frames && now.rows == told.rows) return;
+    link.send(now);
+    told = now;
+  };
   while (!interrupted) {
-    const int received = subscriber.receive(writer, kPoll);
-    if (writer.is_complete() && received == 0) {
-      spdlog::info("run {} is recorded: {} frames", run, writer.frames_complete());
+    std::optional<exchange::Sample> sample = link.receive(0);
+    if (!sample) {  // a moment to write the history rows that have come together
+      tell();
+      sample = link.receive(kPoll);
+    }
+    if (!sample) continue;
+    keep(*sample, writer);
+    if (writer.has_end()) {
+      writer.close();
+      link.send(exchange::Recorded{writer.frames_complete(), writer.rows_settled(), true});
+      spdlog::info("the record is closed with {} frames", writer.frames_complete());
       return kDone;
     }
-    if (ended.read(writer.has_end()) > kStragglers) {
-      spdlog::error("run {} has ended, but {} after {} s; {} complete frames are kept", run, writer.describe_missing(),
-                    kStragglers, writer.frames_complete());
-      return kFailed;
-    }
-    if (waiting.read(!writer.has_header()) > patience) {
-      spdlog::error(
-          "run {} has published no header within {} s: has its coordinator started, on this network and domain?", run,
-          patience);
-      return kFailed;
-    }
-    if (deserted.read(writer.has_header() && !writer.has_end() && !subscriber.has_publishers()) > kSilence) {
-      spdlog::error(
-          "everyone who published run {} has gone for {} s without saying how it ended; {} complete frames are kept",
-          run, kSilence, writer.frames_complete());
-      return kFailed;
-    }
+    if (writer.frames_complete() > told.frames) tell();
   }
-  spdlog::warn("interrupted: the record of run {} is closed with {} complete frames", run, writer.frames_complete());
+  writer.close();
+  spdlog::warn("interrupted: the record is closed with {} complete frames", writer.frames_complete());
   return kCancelled;
+}
+
+/// Closes the record of a run that cannot be recorded any further. @return exit code
+int break_off(RecordWriter& writer, const std::string& status, const std::string& message, int code) {
+  spdlog::error("{}", message);
+  writer.put(observe::RunEnd{.status = status, .message = message, .digest = "", .frames_complete = 0, .summary = ""});
+  writer.close();
+  return code;
+}
+
+int take_part(exchange::RecorderLink& link, RecordWriter& writer) {
+  try {
+    return record_run(link, writer);
+  } catch (const exchange::CoordinatorLost& lost) {
+    return break_off(writer, "lost", lost.what(), kLost);
+  } catch (const Misfit& misfit) {
+    link.send_failure(StopReason::Lost, misfit.what());
+    return break_off(writer, "lost", misfit.what(), kLost);
+  } catch (const std::exception& failure) {
+    link.send_failure(StopReason::Failed, failure.what());
+    return break_off(writer, "failed", failure.what(), kFailed);
+  }
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
 }
 
 }  // namespace
@@ -76,29 +132,33 @@ int record(DdsSubscriber& subscriber, RecordWriter& writer, const std::string& r
 int main(int argc, char** argv) {
   CLI::App app{
       "Keeps a run on disk: DIR/record.h5 and DIR/record.xdmf, valid after every frame.\n"
-      "Example: interply-recorder --run tetrahedron-1 --out results"};
-  DdsOptions options;
-  std::string out;
+      "Example: interply-recorder --connect tcp://10.0.0.2:7100 --out results"};
+  std::string address, out;
   bool overwrite = false;
-  double patience = 120;
-  app.add_option("--run", options.run, "unique name of the run, as the coordinator publishes it")->required();
+  double deadline = 60;
+  app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
+      ->required();
   app.add_option("--out", out, "folder of the record")->required();
-  app.add_option("--network", options.network, "address of the network interface")->capture_default_str();
-  app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
-  app.add_flag("--multicast", options.multicast, "find participants by multicast");
   app.add_flag("--overwrite", overwrite, "replace an existing record");
-  app.add_option("--wait", patience, "longest wait for the run to begin, s")->capture_default_str();
+  app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 
   spdlog::set_default_logger(spdlog::stderr_color_mt("recorder"));
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // a write that fails says so
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupt);
   try {
     RecordWriter writer(std::filesystem::path(out) / "record.h5", overwrite);
-    DdsSubscriber subscriber(options, Role::Recorder);
-    const int code = record(subscriber, writer, options.run, patience);
-    writer.close();
-    return code;
+    const auto link = exchange::connect_recorder(address);
+    const exchange::Welcome welcome = link->join(
+        {.layer = "recorder", .pid = static_cast<int>(getpid()), .host = host_name(), .records = true}, deadline);
+    spdlog::info("joined {} as the recorder of run {}", address, welcome.run);
+    return take_part(*link, writer);
+  } catch (const exchange::Refused& e) {
+    spdlog::error("refused: {}", e.what());
+    return kRefused;
+  } catch (const exchange::CoordinatorLost& e) {
+    spdlog::error("{}", e.what());
+    return kLost;
   } catch (const std::exception& e) {
     spdlog::error("{}", e.what());
     return kFailed;

@@ -3,9 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <fstream>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <variant>
 #include <vector>
 
@@ -22,7 +22,9 @@ using observe::LayerMesh;
 using observe::RunEnd;
 using observe::RunHeader;
 using observe::ToolFrame;
-using Pending = std::variant<LayerFrame, InterfaceFrame, ToolFrame, HistoryRow>;
+using Pending = std::variant<LayerFrame, InterfaceFrame, ToolFrame>;
+
+constexpr std::size_t kBlock = 100;  ///< history rows that are written together
 
 std::string participant(const LayerFrame& f) { return "layer '" + f.layer + "'"; }
 std::string participant(const InterfaceFrame& f) { return "interface '" + f.interface + "'"; }
@@ -42,173 +44,196 @@ class Attendance {
  public:
   Attendance() = default;
   explicit Attendance(const RunHeader& header)
-      : participants_(list_participants(header)), frames_(static_cast<std::size_t>(std::max(header.frames, 0)) + 1) {
-    for (Frame& f : frames_) f.present.resize(participants_.size());
-  }
+      : participants_(list_participants(header)), frames_(static_cast<std::size_t>(std::max(header.frames, 0)) + 1) {}
 
-  /// Empty if the frame is expected, else why not.
+  /// @throws Misfit unless the frame is expected
   template <typename F>
-  std::string describe_problem(const F& f) const {
-    if (find(participant(f)) == participants_.size()) return "not part of this run";
-    if (f.frame < 0 || f.frame >= size()) return fmt::format("not in [0, {}]", size() - 1);
-    const Frame& known = frames_[f.frame];
-    if (known.present[find(participant(f))]) return "already recorded";
-    if (known.step >= 0 && known.step != f.step) {
-      return fmt::format("of step {} where the others have step {}", f.step, known.step);
-    }
-    return {};
+  void check(const F& f) const {
+    const auto refuse = [&](const std::string& why) {
+      throw Misfit(fmt::format("frame {} of {} does not fit: {}", f.frame, participant(f), why));
+    };
+    const std::size_t at = find(participant(f));
+    if (at == participants_.size()) refuse("not part of this run");
+    if (f.frame < 0 || f.frame >= size()) refuse(fmt::format("not in [0, {}]", size() - 1));
+    const Frame& known = frames_[static_cast<std::size_t>(f.frame)];
+    if (!known.present.empty() && known.present[at]) refuse("already recorded");
+    if (known.step >= 0 && known.step != f.step)
+      refuse(fmt::format("of step {} where the others have step {}", f.step, known.step));
   }
   template <typename F>
   void note(const F& f) {
-    Frame& known = frames_[f.frame];
+    Frame& known = frames_[static_cast<std::size_t>(f.frame)];
+    known.present.resize(participants_.size());
     known.present[find(participant(f))] = true;
     known.step = f.step;
     known.time = f.time;
   }
   bool is_complete(int frame) const {
     if (frame >= size()) return false;
-    const std::vector<bool>& present = frames_[frame].present;
-    return std::all_of(present.begin(), present.end(), [](bool p) { return p; });
+    const std::vector<bool>& present = frames_[static_cast<std::size_t>(frame)].present;
+    return !present.empty() && std::find(present.begin(), present.end(), false) == present.end();
   }
   std::string describe_missing(int frame) const {
     std::string who;
     for (std::size_t i = 0; frame < size() && i < participants_.size(); ++i) {
-      if (!frames_[frame].present[i]) who += (who.empty() ? "" : ", ") + participants_[i];
+      const std::vector<bool>& present = frames_[static_cast<std::size_t>(frame)].present;
+      if (present.empty() || !present[i]) who += (who.empty() ? "" : ", ") + participants_[i];
     }
     return fmt::format("frame {} of {} is missing", frame, who);
   }
-  double time(int frame) const { return frames_[frame].time; }
-  std::int64_t step(int frame) const { return frames_[frame].step; }
+  double time(int frame) const { return frames_[static_cast<std::size_t>(frame)].time; }
+  std::int64_t step(int frame) const { return frames_[static_cast<std::size_t>(frame)].step; }
 
  private:
   struct Frame {
     std::int64_t step = -1;
     double time = 0;
-    std::vector<bool> present;
+    std::vector<bool> present;  ///< empty: nobody
   };
   int size() const { return static_cast<int>(frames_.size()); }
   std::size_t find(const std::string& who) const {
-    return std::find(participants_.begin(), participants_.end(), who) - participants_.begin();
+    return static_cast<std::size_t>(std::find(participants_.begin(), participants_.end(), who) -
+                                    participants_.begin());
   }
   std::vector<std::string> participants_;
   std::vector<Frame> frames_;
 };
 
+void check_mesh(const RunHeader& header, const LayerMesh& mesh) {
+  const auto found = std::find(header.layers.begin(), header.layers.end(), mesh.layer);
+  if (found == header.layers.end()) throw Misfit(fmt::format("the mesh of '{}' is not part of this run", mesh.layer));
+  const auto which = static_cast<std::size_t>(found - header.layers.begin());
+  const bool fits = header.nodes.empty() || (mesh.reference.cols() == header.nodes.at(which) &&
+                                             mesh.triangles.cols() == header.elements.at(which));
+  if (!fits)
+    throw Misfit(fmt::format("the mesh of layer '{}' has {} nodes and {} elements, the scene gives it {} and {}",
+                             mesh.layer, mesh.reference.cols(), mesh.triangles.cols(), header.nodes[which],
+                             header.elements[which]));
+  if (mesh.triangles.size() > 0 &&
+      (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.reference.cols()))
+    throw Misfit(fmt::format("the mesh of layer '{}' has corners that are none of its {} nodes", mesh.layer,
+                             mesh.reference.cols()));
+}
+
+void write_text_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error(fmt::format("cannot write {}", path.string()));
+}
+
 }  // namespace
 
 struct RecordWriter::Impl {
-  std::filesystem::path path, sidecar;
+  std::filesystem::path path;
   mutable std::mutex mutex;
   Layout layout;  ///< what is known of it
   std::optional<RunHeader> header;
   std::optional<RunEnd> end;
   std::vector<Pending> pending;  ///< until the file exists
   std::optional<RecordFile> file;
+  std::optional<Sidecar> sidecar;
   Attendance attendance;
-  std::vector<double> times;  ///< of complete frames
-  int rows = 0;
-  bool full = false;  ///< a history row has been dropped
+  int frames = 0;                ///< complete and in the file
+  std::vector<HistoryRow> rows;  ///< that wait to be written
+  int rows_written = 0;
+  std::int64_t rows_left_out = 0;
   bool closed = false;
+
+  std::filesystem::path beside(const std::string& name) const { return path.parent_path() / name; }
+  std::filesystem::path sidecar_path() const { return std::filesystem::path(path).replace_extension(".xdmf"); }
+
+  void begin(const RunHeader& h) {
+    header = h;
+    layout.header = h;
+    attendance = Attendance(h);
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
+    for (const auto& old : {path, sidecar_path(), beside("summary.json")}) std::filesystem::remove(old);
+    if (!std::filesystem::exists(beside("scene.yaml"))) write_text_file(beside("scene.yaml"), h.scene_text);
+  }
 
   /// Fixes the layout of the participant that sends its first frame.
   void learn(const LayerFrame& f) {
-    if (f.frame == 0) layout.layer_fields.try_emplace(f.layer, shapes_of(f.fields));
+    if (!layout.meshes.contains(f.layer)) throw Misfit(fmt::format("layer '{}' has sent no mesh", f.layer));
+    const std::vector<FieldShape> fields = shapes_of(f.fields);
+    check_fields(f.layer, layout.meshes.at(f.layer), fields);
+    layout.layer_fields.try_emplace(f.layer, fields);
   }
-  void learn(const InterfaceFrame& f) {
-    if (f.frame == 0) layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields));
-  }
+  void learn(const InterfaceFrame& f) { layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields)); }
   void learn(const ToolFrame&) {}
-  void learn(const HistoryRow&) {}
-
-  bool knows_layout() const {
-    if (!header) return false;
-    const auto in = [](const auto& map) { return [&map](const std::string& name) { return map.contains(name); }; };
-    const auto& layers = header->layers;
-    const auto& interfaces = header->interfaces;
-    return std::all_of(layers.begin(), layers.end(), in(layout.meshes)) &&
-           std::all_of(layers.begin(), layers.end(), in(layout.layer_fields)) &&
-           std::all_of(interfaces.begin(), interfaces.end(), in(layout.interface_fields)) &&
-           std::all_of(header->tools.begin(), header->tools.end(), [this](const std::string& tool) {
-             return std::any_of(pending.begin(), pending.end(), [&](const Pending& p) {
-               const ToolFrame* f = std::get_if<ToolFrame>(&p);
-               return f && f->tool == tool && f->frame == 0;
-             });
-           });
-  }
 
   void create_file() {
-    layout.header = *header;
-    forget_strangers(layout.meshes, header->layers);
-    forget_strangers(layout.layer_fields, header->layers);
-    forget_strangers(layout.interface_fields, header->interfaces);
-    std::erase_if(layout.layer_fields, [this](const auto& item) { return !layout.meshes.contains(item.first); });
     file.emplace(path, layout);
-    attendance = Attendance(*header);
-    write_sidecar();
+    sidecar.emplace(sidecar_path(), path.filename().string(), layout);
     for (const Pending& p : std::exchange(pending, {})) {
       std::visit([this](const auto& value) { store(value); }, p);
     }
-    if (end) file->write_end(end->status, end->message, end->digest);
-  }
-
-  template <typename Value>
-  static void forget_strangers(std::map<std::string, Value>& map, const std::vector<std::string>& names) {
-    std::erase_if(map, [&](const auto& item) {
-      const bool stranger = std::find(names.begin(), names.end(), item.first) == names.end();
-      if (stranger) spdlog::warn("record: '{}' is not part of this run and left out", item.first);
-      return stranger;
-    });
   }
 
   template <typename F>
   void store(const F& f) {
-    std::string problem = attendance.describe_problem(f);
     if constexpr (!std::is_same_v<F, ToolFrame>) {
-      if (problem.empty()) problem = file->describe_mismatch(f);
-    }
-    if (!problem.empty()) {
-      spdlog::warn("record: frame {} of {} is left out: {}", f.frame, participant(f), problem);
-      return;
+      if (const std::string problem = file->describe_mismatch(f); !problem.empty())
+        throw Misfit(fmt::format("frame {} of {} does not fit: {}", f.frame, participant(f), problem));
     }
     file->write(f);
+  }
+
+  template <typename F>
+  void take(const F& f) {
+    const std::lock_guard lock(mutex);
+    if (closed) return;
+    check_begun();
+    attendance.check(f);
+    if (f.frame == 0) learn(f);
     attendance.note(f);
+    if (file) {
+      store(f);
+    } else {
+      pending.emplace_back(f);
+      if (attendance.is_complete(0)) create_file();
+    }
     complete_frames();
   }
 
-  void store(const HistoryRow& row) {
-    if (rows < header->history_capacity) {
-      file->write(row, rows++);
-    } else if (!std::exchange(full, true)) {
-      spdlog::warn("record: history is full with {} rows; later rows are left out", rows);
-    }
+  void take(const HistoryRow& row) {
+    const std::lock_guard lock(mutex);
+    if (closed) return;
+    check_begun();
+    if (rows_written + static_cast<int>(rows.size()) < header->history_capacity)
+      rows.push_back(row);
+    else if (rows_left_out++ == 0)
+      spdlog::warn("record: history is full with {} rows; later rows are left out", header->history_capacity);
+    if (rows.size() >= kBlock) write_rows();
+  }
+
+  void check_begun() const {
+    if (!header) throw Misfit("something came before the header of the run");
   }
 
   void complete_frames() {
-    const std::size_t before = times.size();
-    while (attendance.is_complete(static_cast<int>(times.size()))) {
-      const int frame = static_cast<int>(times.size());
-      file->complete_frame(frame, attendance.time(frame), attendance.step(frame));
-      times.push_back(attendance.time(frame));
+    if (!file || !attendance.is_complete(frames)) return;
+    write_rows();
+    for (; attendance.is_complete(frames); ++frames) {
+      file->complete_frame(frames, attendance.time(frames), attendance.step(frames));
+      sidecar->show(frames, attendance.time(frames));
     }
-    if (times.size() > before) write_sidecar();
   }
 
-  void write_sidecar() const { write_xdmf(sidecar, path.filename().string(), layout, times); }
-
-  template <typename T>
-  void take(const T& value) {
-    const std::lock_guard lock(mutex);
-    if (closed) return;
-    if (file) {
-      store(value);
-      return;
-    }
-    learn(value);
-    pending.emplace_back(value);
-    if (knows_layout()) create_file();
+  void write_rows() {
+    if (!file || rows.empty()) return;
+    file->write(rows, rows_written);
+    rows_written += static_cast<int>(rows.size());
+    rows.clear();
   }
 
   int expected_frames() const { return end ? std::min(end->frames_complete, header ? header->frames + 1 : 0) : 0; }
+
+  std::string describe_missing() const {
+    if (!header) return "the run's header is missing";
+    if (!end) return "the message that the run has ended is missing";
+    return frames >= expected_frames() ? std::string() : attendance.describe_missing(frames);
+  }
 
   void close() {
     const std::lock_guard lock(mutex);
@@ -218,22 +243,23 @@ struct RecordWriter::Impl {
       return;
     }
     if (!end) end = RunEnd{"interrupted", "The recorder was closed before the run ended.", "", 0};
+    if (const std::string missing = describe_missing(); end->status == "done" && !missing.empty())
+      end = RunEnd{"lost", missing, "", frames};
     if (!file) create_file();
+    write_rows();
+    if (!end->summary.empty()) write_text_file(beside("summary.json"), end->summary);
     file->write_end(end->status, end->message, end->digest);
+    sidecar.reset();
     file.reset();
   }
 };
 
 RecordWriter::RecordWriter(const std::filesystem::path& file, bool overwrite) : impl_(std::make_unique<Impl>()) {
   impl_->path = file;
-  impl_->sidecar = std::filesystem::path(file).replace_extension(".xdmf");
   if (std::filesystem::exists(file) && !overwrite) {
     throw std::runtime_error(fmt::format(
         "{} exists already: choose another folder or allow it to be overwritten (--overwrite)", file.string()));
   }
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
-  std::filesystem::remove(file);
-  std::filesystem::remove(impl_->sidecar);
 }
 
 RecordWriter::~RecordWriter() {
@@ -246,16 +272,17 @@ RecordWriter::~RecordWriter() {
 
 void RecordWriter::put(const RunHeader& header) {
   const std::lock_guard lock(impl_->mutex);
-  if (impl_->header || impl_->closed) return;
-  impl_->header = header;
-  if (impl_->knows_layout()) impl_->create_file();
+  if (impl_->header) throw Misfit("a second header of the run came");
+  impl_->begin(header);
 }
 
 void RecordWriter::put(const LayerMesh& mesh) {
   const std::lock_guard lock(impl_->mutex);
-  if (impl_->file || impl_->closed) return;
-  impl_->layout.meshes.try_emplace(mesh.layer, mesh);
-  if (impl_->knows_layout()) impl_->create_file();
+  if (impl_->closed) return;
+  impl_->check_begun();
+  check_mesh(*impl_->header, mesh);
+  if (!impl_->layout.meshes.try_emplace(mesh.layer, mesh).second)
+    throw Misfit(fmt::format("a second mesh of layer '{}' came", mesh.layer));
 }
 
 void RecordWriter::put(const LayerFrame& frame) { impl_->take(frame); }
@@ -265,12 +292,14 @@ void RecordWriter::put(const HistoryRow& row) { impl_->take(row); }
 
 void RecordWriter::put(const RunEnd& end) {
   const std::lock_guard lock(impl_->mutex);
-  if (impl_->end || impl_->closed) return;
-  impl_->end = end;
-  if (impl_->file) impl_->file->write_end(end.status, end.message, end.digest);
+  if (!impl_->end && !impl_->closed) impl_->end = end;
 }
 
-bool RecordWriter::flush(double) { return true; }
+bool RecordWriter::flush(double) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->write_rows();
+  return true;
+}
 
 bool RecordWriter::has_header() const {
   const std::lock_guard lock(impl_->mutex);
@@ -284,37 +313,22 @@ bool RecordWriter::has_end() const {
 
 bool RecordWriter::is_complete() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->header && impl_->end && static_cast<int>(impl_->times.size()) >= impl_->expected_frames();
+  return impl_->describe_missing().empty();
 }
 
 int RecordWriter::frames_complete() const {
   const std::lock_guard lock(impl_->mutex);
-  return static_cast<int>(impl_->times.size());
+  return impl_->frames;
+}
+
+std::int64_t RecordWriter::rows_settled() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->rows_written + impl_->rows_left_out;
 }
 
 std::string RecordWriter::describe_missing() const {
   const std::lock_guard lock(impl_->mutex);
-  if (!impl_->header) return "the run's header is missing";
-  if (!impl_->end) return "the message that the run has ended is missing";
-  const int frame = static_cast<int>(impl_->times.size());
-  if (frame >= impl_->expected_frames()) return {};
-  if (impl_->file) return impl_->attendance.describe_missing(frame);
-  Attendance early(*impl_->header);
-  std::string meshes;
-  for (const std::string& layer : impl_->header->layers) {
-    if (!impl_->layout.meshes.contains(layer)) meshes += (meshes.empty() ? "" : ", ") + layer;
-  }
-  if (!meshes.empty()) return fmt::format("the mesh of {} is missing", meshes);
-  for (const Pending& p : impl_->pending) {
-    std::visit(
-        [&]<typename T>(const T& f) {
-          if constexpr (!std::is_same_v<T, HistoryRow>) {
-            if (early.describe_problem(f).empty()) early.note(f);
-          }
-        },
-        p);
-  }
-  return early.describe_missing(0);
+  return impl_->describe_missing();
 }
 
 void RecordWriter::close() { impl_->close(); }

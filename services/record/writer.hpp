@@ -1,6 +1,7 @@
 /// Writes a run to disk while it happens: one HDF5 file and its .xdmf sidecar (proto/RECORD.md).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,17 +10,21 @@
 
 namespace interply::record {
 
-/// Takes what a run publishes, in any order between participants, and keeps a record that is valid at any instant.
+/// Takes what a run publishes, the header first, then in any order between participants, and keeps a record that is
+/// valid at any instant.
 ///
-/// The file appears once the header, all meshes and frame 0 of every layer, interface and tool are there; until then
-/// everything is kept in memory. Frame k is complete when every layer, interface and tool has delivered it;
-/// frames_complete counts frames 0, 1, ... without a gap. What does not fit (a stranger's layer, another shape, a frame
-/// or history row beyond what the header announced) is left out with one log line.
-/// Safe to call from several threads. put() throws std::runtime_error if the disk fails.
+/// The file appears once frame 0 of every layer, interface and tool is there; until then everything is kept in memory.
+/// Frame k is complete when every layer, interface and tool has delivered it; frames_complete counts frames 0, 1, ...
+/// without a gap. History rows are written in blocks: with a complete frame, by flush(), or when a block is full; rows
+/// beyond what the header announced are left out with one log line.
+/// Beside the record: scene.yaml, unless there is one, and summary.json at the end of a run that has one.
+/// Safe to call from several threads. put() throws Misfit (file.hpp) for what does not belong to this run or does not
+/// fit it, std::runtime_error if the disk fails.
 class RecordWriter : public observe::Sink {
  public:
-  /// @param file       e.g. run/record.h5; folders are made; the sidecar is run/record.xdmf
-  /// @param overwrite  remove an existing record first
+  /// @param file       e.g. run/record.h5; the sidecar is run/record.xdmf. Folders are made, and an existing record is
+  ///                   removed, when the header comes
+  /// @param overwrite  an existing record may be replaced
   /// @throws std::runtime_error if there is a record already and `overwrite` is false
   explicit RecordWriter(const std::filesystem::path& file, bool overwrite = false);
   /// close(), errors go to the log.
@@ -31,8 +36,9 @@ class RecordWriter : public observe::Sink {
   void put(const observe::InterfaceFrame&) override;
   void put(const observe::ToolFrame&) override;
   void put(const observe::HistoryRow&) override;
+  /// Written by close().
   void put(const observe::RunEnd&) override;
-  /// Always true: everything put so far has been handed to the operating system.
+  /// Writes the history rows that wait for others. True.
   bool flush(double seconds) override;
 
   bool has_header() const;
@@ -40,11 +46,14 @@ class RecordWriter : public observe::Sink {
   /// RunEnd has arrived, and every frame that it counts.
   bool is_complete() const;
   int frames_complete() const;
+  /// History rows in the file, or left out because it has no room for them.
+  std::int64_t rows_settled() const;
   /// Which participant's data are missing, one sentence; empty if nothing is.
   std::string describe_missing() const;
 
   /// Writes status, message and digest of RunEnd ("interrupted" if there was none), and closes. If frame 0 never became
-  /// complete the file is made now from what is known; without a header nothing is written.
+  /// complete the file is made now from what is known; without a header nothing is written. A run that is done is lost
+  /// if frames of it are missing.
   void close();
 
  private:

@@ -1,13 +1,18 @@
 #include "record/xdmf.hpp"
 
+#include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
-#include <stdexcept>
+#include <limits>
+#include <system_error>
 
 namespace interply::record {
 namespace {
 
+/// Fit for text and attributes, and for a comment around them: no two hyphens.
 std::string escape(const std::string& s) {
   std::string out;
   for (const char c : s) {
@@ -24,6 +29,9 @@ std::string escape(const std::string& s) {
       case '"':
         out += "&quot;";
         break;
+      case '-':
+        out += out.ends_with('-') ? "&#45;" : "-";
+        break;
       default:
         out += c;
     }
@@ -38,19 +46,19 @@ struct Source {
 };
 
 /// Frame `frame` of a dataset [frames, points] or [frames, points, components].
-/// The comment is for VTK 9: its reader takes the first child's text as the identity of a geometry and would show one
-/// frame's mesh for all frames if that were blank space.
+/// The instruction is for VTK 9: its reader takes the first child's text as the identity of a geometry and would show
+/// one frame's mesh for all frames if that were blank space.
 std::string make_slab(const Source& source, const std::string& path, int frame, std::size_t points, int components,
-                      const std::string& comment = "") {
+                      const std::string& instruction = "") {
   const bool flat = components == 1;
   const std::string tail = flat ? "" : fmt::format(" {}", components);
   return fmt::format(
-      R"(<DataItem ItemType="HyperSlab" Dimensions="{points}{tail}">{comment}<DataItem Dimensions="3 {rank}" )"
+      R"(<DataItem ItemType="HyperSlab" Dimensions="{points}{tail}">{instruction}<DataItem Dimensions="3 {rank}" )"
       R"(Format="XML">{frame} {zeros} {ones} 1 {points}{tail}</DataItem><DataItem Format="HDF" NumberType="Float" )"
       R"(Precision="8" Dimensions="{frames} {points}{tail}">{record}:/{path}</DataItem></DataItem>)",
-      fmt::arg("points", points), fmt::arg("tail", tail), fmt::arg("comment", comment), fmt::arg("rank", flat ? 2 : 3),
-      fmt::arg("frame", frame), fmt::arg("zeros", flat ? "0" : "0 0"), fmt::arg("ones", flat ? "1 1" : "1 1 1"),
-      fmt::arg("frames", source.frames), fmt::arg("record", escape(source.record)), fmt::arg("path", path));
+      fmt::arg("points", points), fmt::arg("tail", tail), fmt::arg("instruction", instruction),
+      fmt::arg("rank", flat ? 2 : 3), fmt::arg("frame", frame), fmt::arg("zeros", flat ? "0" : "0 0"), fmt::arg("ones", flat ? "1 1" : "1 1 1"),
+      fmt::arg("frames", source.frames), fmt::arg("record", escape(source.record)), fmt::arg("path", escape(path)));
 }
 
 std::string name_type(int components) {
@@ -84,20 +92,24 @@ struct GridSource {
 std::string make_instant(const Source& source, const GridSource& grid, int frame, double time) {
   const std::string layer = "layers/" + to_path_name(grid.mesh->layer);
   const auto n_nodes = static_cast<std::size_t>(grid.mesh->reference.cols());
-  const std::string identity = fmt::format("<!-- {} {} -->", to_path_name(grid.group), frame);
+  const std::string identity = fmt::format("<?interply {} {}?>", escape(to_path_name(grid.group)), frame);
   std::string text = fmt::format(
       "<Grid Name=\"{0} {1}\" GridType=\"Uniform\"><Time Value=\"{2}\"/>\n"
       "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{3}\"><DataItem Format=\"HDF\" NumberType=\"Int\" "
       "Precision=\"4\" Dimensions=\"{3} 3\">{4}:/{5}/triangles</DataItem></Topology>\n"
       "<Geometry GeometryType=\"XYZ\">{6}</Geometry>\n",
-      escape(grid.name), frame, time, grid.mesh->triangles.cols(), escape(source.record), layer,
+      escape(grid.name), frame, time, grid.mesh->triangles.cols(), escape(source.record), escape(layer),
       make_slab(source, layer + "/position", frame, n_nodes, 3, identity));
   for (const FieldShape& f : *grid.fields) text += make_attribute(source, grid.group, frame, f);
   return text + "</Grid>\n";
 }
 
+/// None if the run ended before everyone's first frame.
 std::vector<GridSource> list_grids(const Layout& layout) {
   std::vector<GridSource> grids;
+  if (layout.layer_fields.size() < layout.header.layers.size() ||
+      layout.interface_fields.size() < layout.header.interfaces.size())
+    return grids;
   for (const std::string& layer : layout.header.layers) {
     grids.push_back({layer, "layers/" + to_path_name(layer), &layout.meshes.at(layer), &layout.layer_fields.at(layer)});
   }
@@ -109,30 +121,92 @@ std::vector<GridSource> list_grids(const Layout& layout) {
   return grids;
 }
 
-}  // namespace
+constexpr std::string_view kHide = "<!--", kHideEnd = "-->";
 
-std::string make_xdmf(const std::string& record, const Layout& layout, const std::vector<double>& times) {
-  const Source source{record, static_cast<std::size_t>(layout.header.frames) + 1};
-  std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
-  if (!times.empty()) {
-    for (const GridSource& grid : list_grids(layout)) {
-      text +=
-          fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", escape(grid.name));
-      for (std::size_t k = 0; k < times.size(); ++k) text += make_instant(source, grid, static_cast<int>(k), times[k]);
-      text += "</Grid>\n";
-    }
-  }
-  return text + "</Domain>\n</Xdmf>\n";
+/// The opening of the comment around a place must not cross a page, so that it disappears at once.
+constexpr std::size_t kAlignment = 64;
+
+std::string fill_up(std::string text) {
+  text.resize((text.size() + kAlignment - 1) / kAlignment * kAlignment, ' ');
+  text.back() = '\n';
+  return text;
 }
 
-void write_xdmf(const std::filesystem::path& path, const std::string& record, const Layout& layout,
-                const std::vector<double>& times) {
+/// Room for any frame of a grid.
+std::size_t measure_place(const Source& source, const GridSource& grid) {
+  const std::string longest =
+      make_instant(source, grid, static_cast<int>(source.frames) - 1, -std::numeric_limits<double>::min() * (1 + 1e-15));
+  return fill_up(std::string(kHide) + longest + std::string(kHideEnd) + '\n').size();
+}
+
+std::string make_empty_place(std::size_t size) {
+  std::string place(size, ' ');
+  place.replace(0, kHide.size(), kHide);
+  place.replace(size - 1 - kHideEnd.size(), kHideEnd.size(), kHideEnd);
+  place.back() = '\n';
+  return place;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path) {
+  throw std::system_error(errno, std::generic_category(), fmt::format("cannot write {}", path.string()));
+}
+
+}  // namespace
+
+Sidecar::Sidecar(const std::filesystem::path& path, const std::string& record, const Layout& layout)
+    : path_(path), record_(record), layout_(layout) {
   const std::filesystem::path partial = path.string() + ".partial";
+  const Source source{record, static_cast<std::size_t>(layout.header.frames) + 1};
   std::ofstream file(partial, std::ios::trunc);
-  file << make_xdmf(record, layout, times);
+  std::size_t size = 0;
+  const auto add = [&](const std::string& text) {
+    file << text;
+    size += text.size();
+  };
+  add("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n");
+  for (const GridSource& grid : list_grids(layout)) {
+    const std::string begin =
+        fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", escape(grid.name));
+    add(std::string((kAlignment - (size + begin.size()) % kAlignment) % kAlignment, '\n') + begin);
+    places_.push_back({size, measure_place(source, grid)});
+    const std::string place = make_empty_place(places_.back().size);
+    for (std::size_t k = 0; k < source.frames; ++k) add(place);
+    add("</Grid>\n");
+  }
+  add("</Domain>\n</Xdmf>\n");
   file.close();
-  if (!file) throw std::runtime_error(fmt::format("cannot write {}", partial.string()));
+  if (!file) {
+    const int error = errno;
+    std::filesystem::remove(partial);
+    errno = error;
+    fail(path);
+  }
   std::filesystem::rename(partial, path);
+  file_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file_ < 0) fail(path);
+}
+
+Sidecar::~Sidecar() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void Sidecar::show(int frame, double time) {
+  const Source source{record_, static_cast<std::size_t>(layout_.header.frames) + 1};
+  const std::vector<GridSource> grids = list_grids(layout_);
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const std::size_t at = places_[i].begin + places_[i].size * static_cast<std::size_t>(frame);
+    write(make_instant(source, grids[i], frame, time), at + kHide.size());
+    write(std::string(kHide.size(), ' '), at);  // what is left of the comment is text: -->
+    write(std::string(kHideEnd.size(), ' '), at + places_[i].size - 1 - kHideEnd.size());
+  }
+}
+
+void Sidecar::write(const std::string& text, std::size_t offset) const {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = ::pwrite(file_, text.data() + done, text.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno != EINTR) fail(path_);
+    done += n > 0 ? static_cast<std::size_t>(n) : 0;
+  }
 }
 
 }  // namespace interply::record

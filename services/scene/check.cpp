@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "process/words.hpp"
+
 namespace interply::scene {
 namespace {
 
@@ -78,6 +80,7 @@ void check_j2(const J2Law& law, const std::string& path, Report& report) {
 }
 
 const std::vector<std::string> kTools{"punch", "die", "blank_holder"};
+const std::vector<std::string> kRoles{"coordinator", "recorder", "monitor"};
 
 bool is_word(const std::string& name) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -94,6 +97,8 @@ void check_name(const Scene& scene, std::size_t i, const std::string& path, Repo
     report.add(path, "'" + name + "' must be at most 64 letters, digits, '_' and '-', starting with a letter");
   if (std::find(kTools.begin(), kTools.end(), name) != kTools.end())
     report.add(path, "'" + name + "' is the name of a tool; choose another");
+  if (std::find(kRoles.begin(), kRoles.end(), name) != kRoles.end())
+    report.add(path, "'" + name + "' is the name of another process of a run; choose another");
   for (std::size_t k = 0; k < i; ++k) {
     if (scene.layers[k].name != name) continue;
     return report.add(path, "'" + name + "' is already the name of layers[" + std::to_string(k) + "]");
@@ -110,7 +115,7 @@ void check_mesh_size(const Blank& blank, double mesh_size, const std::string& pa
 void check_blank(const Scene& scene, Report& report) {
   const Blank& blank = scene.blank;
   if (!blank.mesh) return check_mesh_size(blank, blank.mesh_size, "blank.mesh_size", report);
-  for (const char* key : {"length", "width", "mesh_size"})
+  for (const char* key : {"length", "width", "mesh_size", "diagonals"})
     if (report.is_given(join("blank", key)))
       report.add(join("blank", key), "and blank.mesh are both given; keep one of them");
 }
@@ -246,14 +251,27 @@ void check_friction_pairs(const Scene& scene, Report& report) {
   }
 }
 
-/// "host:port", port in [1, 65535].
+/// "host:port", port in [1, 65535]; an IPv6 host in brackets. Whether this host can listen there, launch/run.hpp finds.
 bool is_host_and_port(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0) return false;
+  const bool in_brackets = text[0] == '[' && text[colon - 1] == ']';
+  if (!in_brackets && text.find(':') != colon) return false;
   int port = 0;
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data() + colon + 1, end, port);
   return error == std::errc{} && last == end && port >= 1 && port <= 65535;
+}
+
+/// The name becomes that of a folder.
+void check_run_name(const Scene& scene, Report& report) {
+  const std::string& name = scene.name;
+  const bool is_plain = process::to_line(name) == name && name.find('/') == std::string::npos && name.size() <= 100;
+  if (is_plain && !name.empty() && name[0] != '.' && name[0] != '-') return;
+  if (!report.is_broken("name"))
+    report.add("name", "'" + process::to_line(name, 100) +
+                           "' cannot name the folder of a run: give 1 to 100 printable characters without '/', not "
+                           "beginning with '.' or '-'");
 }
 
 void check_addresses(const Scene& scene, Report& report) {
@@ -275,6 +293,7 @@ void check_law(const Law& law, const std::string& path, Report& report) {
 }
 
 void check_scene(const Scene& scene, Report& report) {
+  check_run_name(scene, report);
   check_blank(scene, report);
   check_layers(scene, report);
   if (scene.tools.punch) check_either(scene.tools.punch->stl, "tools.punch", {"edge", "height", "radius"}, report);

@@ -15,6 +15,8 @@ static_assert(static_cast<int>(Variant::Biaxial) == schema::WovenLaw::biaxial);
 static_assert(static_cast<int>(Variant::NormalShear) == schema::WovenLaw::normal_shear);
 static_assert(static_cast<int>(Integration::Membrane) == schema::VumatLaw::membrane);
 static_assert(static_cast<int>(Integration::Shell) == schema::VumatLaw::shell);
+static_assert(static_cast<int>(Diagonals::Centre) == schema::Blank::centre);
+static_assert(static_cast<int>(Diagonals::Around) == schema::Blank::around);
 static_assert(schema::Blank::full == 0 && schema::Blank::half == 1);  // Blank::half as a number
 
 template <class Io>
@@ -169,6 +171,7 @@ void map(Io& io, Blank& x) {
   io("length", x.length);
   io("width", x.width);
   io("mesh_size", x.mesh_size);
+  io("diagonals", x.diagonals);
 }
 
 template <class Io>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "geometry/blank_mesh.hpp"
 #include "geometry/read_file.hpp"
 #include "mechanics/digest.hpp"
 #include "scene/read_scene.hpp"
@@ -15,32 +16,42 @@ std::string compute_digest(const std::string& content) {
   return mechanics::to_hex(XXH3_64bits(content.data(), content.size()));
 }
 
-}  // namespace
+/// Of a file without others that of its content.
+std::string compute_digest(const geometry::Pieces& pieces) {
+  if (pieces.size() == 1) return compute_digest(pieces.front().text);
+  std::string all;
+  for (const geometry::Piece& piece : pieces) all += piece.text;
+  return compute_digest(all);
+}
 
-std::string resolve_file(File& file, const std::filesystem::path& folder, const std::string& path, Report& report) {
-  if (report.is_broken(path)) return "";
+/// @param read  the content of a file by its path
+template <class Read>
+auto resolve(File& file, const std::filesystem::path& folder, const std::string& path, Report& report, Read read)
+    -> decltype(read(path)) {
+  if (report.is_broken(path)) return {};
   if (file.path.empty() || std::any_of(file.path.begin(), file.path.end(), [](unsigned char c) { return c < ' '; })) {
     report.add(path, "is empty or holds a control character; give the path of a file");
-    return "";
+    return {};
   }
   std::filesystem::path full = file.path;
   if (full.is_relative()) full = std::filesystem::absolute(folder / full);
   file.path = full.lexically_normal().string();
-  if (!file.digest.empty()) return "";
+  if (!file.digest.empty()) return {};
   try {
-    std::string content = geometry::read_file(file.path);
+    auto content = read(file.path);
     file.digest = compute_digest(content);
     return content;
   } catch (const geometry::Unreadable& error) {
     report.add(path, error.what());
-    return "";
+    return {};
   }
 }
 
-std::string read_resolved(const File& file, const std::string& path) {
-  std::string content;
+template <class Read>
+auto read_unchanged(const File& file, const std::string& path, Read read) -> decltype(read(path)) {
+  decltype(read(path)) content;
   try {
-    content = geometry::read_file(file.path);
+    content = read(file.path);
   } catch (const geometry::Unreadable& error) {
     throw SceneError(path + ": " + error.what());
   }
@@ -49,6 +60,25 @@ std::string read_resolved(const File& file, const std::string& path) {
     throw SceneError(path + ": " + file.path + " has changed since the scene was resolved (digest " + digest +
                      " instead of " + file.digest + "); give its path alone to take it as it is now");
   return content;
+}
+
+}  // namespace
+
+std::string resolve_file(File& file, const std::filesystem::path& folder, const std::string& path, Report& report) {
+  return resolve(file, folder, path, report, geometry::read_file);
+}
+
+geometry::Pieces resolve_mesh_file(File& file, const std::filesystem::path& folder, const std::string& path,
+                                   Report& report) {
+  return resolve(file, folder, path, report, geometry::read_mesh_file);
+}
+
+std::string read_resolved(const File& file, const std::string& path) {
+  return read_unchanged(file, path, geometry::read_file);
+}
+
+geometry::Pieces read_resolved_mesh(const File& file, const std::string& path) {
+  return read_unchanged(file, path, geometry::read_mesh_file);
 }
 
 }  // namespace interply::scene

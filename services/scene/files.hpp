@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "geometry/text_lines.hpp"
 #include "scene/report.hpp"
 #include "scene/scene.hpp"
 
@@ -15,8 +16,13 @@ namespace interply::scene {
 /// @return the content if it was read, else empty; a file that cannot be read goes to the report
 std::string resolve_file(File& file, const std::filesystem::path& folder, const std::string& path, Report& report);
 
+/// The same for a mesh, whose digest is that of all that it includes.
+geometry::Pieces resolve_mesh_file(File& file, const std::filesystem::path& folder, const std::string& path,
+                                   Report& report);
+
 /// Content of a resolved file. @param path  of the key, for messages, "tools.punch.stl"
 /// @throws SceneError if it cannot be read, or has changed since the scene was resolved
 std::string read_resolved(const File& file, const std::string& path);
+geometry::Pieces read_resolved_mesh(const File& file, const std::string& path);
 
 }  // namespace interply::scene

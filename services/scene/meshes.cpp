@@ -53,10 +53,10 @@ void check_covers(const geometry::FlatMesh& mesh, const Scene& scene, const Open
   }
 }
 
-void check_mesh(const Scene& scene, const MeshFile& mesh, const std::string& content, const std::string& path,
+void check_mesh(const Scene& scene, const MeshFile& mesh, const geometry::Pieces& content, const std::string& path,
                 Report& report) {
   try {
-    const geometry::FlatMesh flat = geometry::parse_blank(content, mesh.file.path, mesh.set);
+    const geometry::FlatMesh flat = geometry::parse_blank(content, mesh.set);
     mechanics::make_mesh(flat.points, flat.triangles, 0, scene.blank.half);
     check_covers(flat, scene, scene.tools.die, "tools.die", path, report);
     if (report.is_broken(path)) return;
@@ -73,7 +73,7 @@ void resolve_mesh(Scene& scene, std::optional<MeshFile>& mesh, const std::filesy
   if (!mesh || report.is_broken(path)) return;
   const std::string file = join(path, "file");
   const bool is_new = mesh->file.digest.empty();
-  const std::string content = resolve_file(mesh->file, folder, file, report);
+  const geometry::Pieces content = resolve_mesh_file(mesh->file, folder, file, report);
   if (is_new && !report.is_broken(file)) check_mesh(scene, *mesh, content, file, report);
 }
 
@@ -90,9 +90,9 @@ std::optional<geometry::FlatMesh> read_mesh_of(const Scene& scene, std::size_t l
   const std::optional<MeshFile>& mesh = own ? scene.layers[layer].mesh : scene.blank.mesh;
   if (!mesh) return std::nullopt;
   const std::string path = (own ? join("layers", layer) + "." : "blank.") + "mesh.file";
-  const std::string content = read_resolved(mesh->file, path);
+  const geometry::Pieces content = read_resolved_mesh(mesh->file, path);
   try {
-    return geometry::parse_blank(content, mesh->file.path, mesh->set);
+    return geometry::parse_blank(content, mesh->set);
   } catch (const geometry::Unreadable& error) {
     throw SceneError(path + ": " + error.what());
   }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::scene {
@@ -46,7 +47,7 @@ bool Report::is_broken(const std::string& path) const {
 void Report::throw_if_any() const {
   if (sentences_.empty()) return;
   std::string text;
-  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + to_line(sentence);
+  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + process::to_line(sentence);
   throw SceneError(text);
 }
 
@@ -74,7 +75,7 @@ std::string suggest(const std::string& word, const std::vector<std::string>& nam
   });
   const std::size_t allowed = std::max<std::size_t>(2, nearest->size() / 3);
   const std::size_t distance = compute_distance(word, *nearest);
-  if (distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
+  if (distance > 0 && distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
   return "; known: " + enumerate(names);
 }
 
@@ -82,17 +83,6 @@ std::string enumerate(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
-}
-
-std::string to_line(const std::string& text) {
-  std::string line;
-  for (const char c : text) {
-    char escape[8];
-    const auto byte = static_cast<unsigned char>(c);
-    std::snprintf(escape, sizeof escape, "\\x%02x", byte);
-    byte < 0x20 || byte == 0x7f ? void(line += escape) : line.push_back(c);
-  }
-  return line;
 }
 
 std::string to_text(double value) {

@@ -50,9 +50,6 @@ std::string suggest(const std::string& word, const std::vector<std::string>& nam
 /// "a, b, c".
 std::string enumerate(const std::vector<std::string>& names);
 
-/// The text with its control characters written as \x0a: one line, whatever was quoted in it.
-std::string to_line(const std::string& text);
-
 /// Shortest text that reads back to the same double.
 std::string to_text(double value);
 

@@ -14,7 +14,7 @@ namespace interply::scene {
 /// A file that the scene names (scene/files.hpp).
 struct File {
   std::string path;    ///< absolute in a resolved scene
-  std::string digest;  ///< XXH3 of the content, 16 hexadecimal digits; empty until the file has been read
+  std::string digest;  ///< XXH3 of the content and all that it includes, 16 hexadecimal digits; empty until it is read
 };
 
 /// One value per fibre direction, [warp, weft].
@@ -125,13 +125,17 @@ struct Layer {
   }
 };
 
+/// Diagonals of a rectangular blank's mesh: through its centre, or around it (mechanics/mesh.hpp).
+enum class Diagonals { Centre, Around };
+
 /// A rectangle, or any outline by its mesh. The mesh of a half model is its part y >= 0.
 struct Blank {
   double length = 280;           ///< along x, mm; centred on x = 0
   double width = 280;            ///< along y, mm; centred on y = 0
   bool half = true;              ///< model y >= 0 only, symmetry plane y = 0
   double mesh_size = 4;          ///< mm
-  std::optional<MeshFile> mesh;  ///< instead of length, width and mesh_size
+  Diagonals diagonals = Diagonals::Centre;
+  std::optional<MeshFile> mesh;  ///< instead of length, width, mesh_size and diagonals
 };
 
 /// Regular triangular pyramid (inner sharp edge and height) offset by a ball, prismatic above its base; points down.

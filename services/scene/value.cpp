@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::scene {
@@ -167,7 +168,7 @@ Value parse_yaml(const std::string& text, const std::string& origin, Report& rep
     if (parser.HandleNextDocument(rest)) throw SceneError(origin + ": goes on after its first YAML document; keep one");
     return first.take_root();
   } catch (const YAML::Exception& error) {
-    throw SceneError(to_line(add_line(origin, error.mark) + ": not valid YAML: " + error.msg));
+    throw SceneError(process::to_line(add_line(origin, error.mark) + ": not valid YAML: " + error.msg));
   }
 }
 

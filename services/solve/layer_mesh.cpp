@@ -17,9 +17,9 @@ mechanics::TriangleMesh make_layer_mesh(const scene::Scene& scene, int layer) {
       throw scene::SceneError("mesh of layer " + own.name + ": " + error.what());
     }
   }
-  return mechanics::make_rectangle({-0.5 * blank.length, 0.5 * blank.length},
-                                   {blank.half ? 0.0 : -0.5 * blank.width, 0.5 * blank.width},
-                                   own.mesh_size.value_or(blank.mesh_size), z, blank.half);
+  return mechanics::make_blank(
+      blank.length, blank.width, own.mesh_size.value_or(blank.mesh_size), z, blank.half,
+      blank.diagonals == scene::Diagonals::Centre ? mechanics::Diagonals::Centre : mechanics::Diagonals::Around);
 }
 
 }  // namespace interply::solve

@@ -10,6 +10,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kWatchers = 0.2;  ///< s that whoever watches has for the last samples
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
@@ -18,8 +20,8 @@ void run_session(const scene::Scene& scene, int layer, LayerFactory make_layer, 
                  observe::Sink& sink) try {
   const mechanics::TriangleMesh mesh = make_layer_mesh(scene, layer);
   LayerRun run(scene, layer, mesh, make_layer(scene, layer, mesh));
-  sink.put(run.describe_mesh());
 
+  const double patience = scene.exchange.wait_deadline + scene.exchange.startup_deadline;
   exchange::Force force;
   force.force.resize(3, mesh.n_nodes());
   exchange::Motion& motion = run.motion();
@@ -28,9 +30,10 @@ void run_session(const scene::Scene& scene, int layer, LayerFactory make_layer, 
     link.send(motion);
     run.compute_internal_forces();  // while the coordinator computes contact
     const auto wait_start = Clock::now();
-    link.receive(force, scene.exchange.wait_deadline + scene.exchange.startup_deadline);
+    link.receive(force, patience);
     motion.wait_seconds = seconds_since(wait_start);
     run.kick(force);
+    if (force.frame == 0) sink.put(run.describe_mesh());  // everybody is here now, the recorder, too
     if (force.frame >= 0) sink.put(run.describe_frame(force.frame));
     if (force.last) break;
     run.drift(force.next_dt);
@@ -38,7 +41,8 @@ void run_session(const scene::Scene& scene, int layer, LayerFactory make_layer, 
     step_start = Clock::now();
   }
   link.send(run.describe_end());
-  sink.flush(10);
+  sink.flush(kWatchers);
+  link.wait_until_received(patience);
 } catch (const mechanics::Divergence& failure) {
   link.send_failure(failure.what());
   throw;

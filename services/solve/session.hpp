@@ -10,6 +10,9 @@
 
 namespace interply::solve {
 
+/// "fabric" or "metal", as solvers and layers say what they are (exchange::Join).
+inline const char* to_word(scene::Kind kind) { return kind == scene::Kind::Fabric ? "fabric" : "metal"; }
+
 /// Makes one layer's mechanics; solver_fabric and solver_metal each provide one.
 using LayerFactory = std::unique_ptr<LayerMechanics> (*)(const scene::Scene& scene, int layer,
                                                          const mechanics::TriangleMesh& mesh);

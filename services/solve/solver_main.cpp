@@ -1,3 +1,4 @@
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -5,18 +6,22 @@
 #include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <new>
 
+#include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
+#include "observe/tee_sink.hpp"
+#include "process/signals.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/link_sink.hpp"
 #include "solve/session.hpp"
 #include "solve/watch.hpp"
 
 namespace interply::solve {
 
 namespace {
-
-const char* name_of(scene::Kind kind) { return kind == scene::Kind::Fabric ? "fabric" : "metal"; }
 
 int find_layer(const scene::Scene& scene, const std::string& name) {
   const auto found = std::find_if(scene.layers.begin(), scene.layers.end(), [&](auto& l) { return l.name == name; });
@@ -29,32 +34,60 @@ std::string host_name() {
   return name;
 }
 
-/// From joining to Final. @throws everything that run_session throws, Refused, SceneError
-void integrate_layer(const std::string& address, const std::string& layer_name, const std::string& scene_file,
-                     double deadline, scene::Kind kind, LayerFactory make_layer) {
-  exchange::Join join{.layer = layer_name, .pid = static_cast<int>(getpid()), .host = host_name()};
+/// Does the work and says what ended it, if that was not its end. @return the exit code
+template <typename Work>
+int say_how_it_ends(const Work& work) try {
+  return work();
+} catch (const scene::SceneError& e) {
+  std::cerr << e.what() << std::endl;
+  return 2;
+} catch (const exchange::BadAddress& e) {
+  std::cerr << "--connect: " << e.what() << std::endl;
+  return 2;
+} catch (const exchange::Refused& e) {
+  std::cerr << "refused: " << process::to_line(e.what()) << std::endl;
+  return 2;
+} catch (const mechanics::Divergence& e) {
+  std::cerr << e.what() << std::endl;
+  return 3;
+} catch (const exchange::Stopped& e) {
+  std::cerr << "stopped by the coordinator: " << process::to_line(e.what()) << std::endl;
+  return e.reason == exchange::StopReason::Diverged ? 3 : e.reason == exchange::StopReason::Cancelled ? 5 : 4;
+} catch (const std::bad_alloc&) {
+  std::cerr << "there is not enough memory" << std::endl;
+  return 1;
+} catch (const std::exception& e) {
+  std::cerr << e.what() << std::endl;
+  return 4;
+}
+
+/// From joining to Final. @return the exit code   @throws Refused, SceneError, CoordinatorLost while joining
+int integrate_layer(const std::string& address, const std::string& layer_name, const std::string& scene_file,
+                    double deadline, scene::Kind kind, LayerFactory make_layer) {
+  exchange::Join join{
+      .layer = layer_name, .pid = static_cast<int>(getpid()), .host = host_name(), .kind = to_word(kind)};
   if (!scene_file.empty()) join.scene_digest = scene::read_scene(scene_file).digest;
   const auto link = exchange::connect_zeromq(address);
   const exchange::Welcome welcome = link->join(join, deadline);
   const scene::Scene scene = scene::parse_scene(welcome.scene_text, "scene of the coordinator");
   const int layer = find_layer(scene, layer_name);
-  if (scene.layers.at(static_cast<std::size_t>(layer)).kind() != kind)
-    throw exchange::Refused(
-        layer_name + " is a " + name_of(kind == scene::Kind::Fabric ? scene::Kind::Metal : scene::Kind::Fabric) +
-        " layer; start interply-solver-" +
-        name_of(kind == scene::Kind::Fabric ? scene::Kind::Metal : scene::Kind::Fabric) + " for it");
   std::cout << "joined " << address << " as " << layer_name << " of run " << welcome.run << std::endl;
   check_network(scene);
-  const auto sink = observe::make_run_sink(scene.record.frames > 0, make_dds_options(scene, welcome.run),
-                                           scene.exchange.startup_deadline);
-  run_session(scene, layer, make_layer, *link, *sink);
+  observe::TeeSink sink(std::make_unique<LinkSink<exchange::SolverLink>>(*link, layer_name),
+                        observe::make_watch_sink(scene.record.frames > 0, make_dds_options(scene, welcome.run)));
+  const int exit_code = say_how_it_ends([&] {
+    run_session(scene, layer, make_layer, *link, sink);
+    return 0;
+  });
+  process::end_within(process::kGrace, exit_code);  // whatever closing the links waits for
+  return exit_code;
 }
 
 }  // namespace
 
 int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer) {
-  CLI::App app{std::string("Integrates one ") + name_of(kind) + " layer of a run.\nExample: interply-solver-" +
-               name_of(kind) + " --connect tcp://10.0.0.2:7100 --layer ply_2"};
+  CLI::App app{std::string("Integrates one ") + to_word(kind) + " layer of a run.\nExample: interply-solver-" +
+               to_word(kind) + " --connect tcp://10.0.0.2:7100 --layer ply_2"};
   std::string address, layer, scene_file;
   double deadline = 60;
   app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
@@ -64,26 +97,10 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
                  "scene file that must equal the coordinator's (default: take the coordinator's)");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  std::signal(SIGINT, SIG_IGN);  // an interrupt is the coordinator's to handle: it stops every participant
-  try {
-    integrate_layer(address, layer, scene_file, deadline, kind, make_layer);
-    return 0;
-  } catch (const scene::SceneError& e) {
-    std::cerr << e.what() << std::endl;
-    return 2;
-  } catch (const exchange::Refused& e) {
-    std::cerr << "refused: " << e.what() << std::endl;
-    return 2;
-  } catch (const mechanics::Divergence& e) {
-    std::cerr << e.what() << std::endl;
-    return 3;
-  } catch (const exchange::Stopped& e) {
-    std::cerr << "stopped by the coordinator: " << e.what() << std::endl;
-    return e.reason == exchange::StopReason::Diverged ? 3 : e.reason == exchange::StopReason::Cancelled ? 5 : 4;
-  } catch (const std::exception& e) {
-    std::cerr << e.what() << std::endl;
-    return 4;
-  }
+  ::umask(0077);
+  std::signal(SIGPIPE, SIG_IGN);
+  process::end_by_signals();
+  return say_how_it_ends([&] { return integrate_layer(address, layer, scene_file, deadline, kind, make_layer); });
 }
 
 }  // namespace interply::solve

@@ -15,7 +15,7 @@ observe::DdsOptions make_dds_options(const scene::Scene& scene, const std::strin
 }
 
 void check_network(const scene::Scene& scene) try {
-  observe::check_network(make_dds_options(scene, "any"));
+  if (scene.record.frames > 0) observe::check_network(make_dds_options(scene, "any"));
 } catch (const std::runtime_error& e) {
   throw scene::SceneError(e.what());
 }

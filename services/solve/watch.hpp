@@ -11,7 +11,7 @@ namespace interply::solve {
 /// @param run  identity of the run
 observe::DdsOptions make_dds_options(const scene::Scene& scene, const std::string& run);
 
-/// @throws scene::SceneError if this host has no network interface `observe.network`
+/// @throws scene::SceneError if the run publishes and this host has no network interface `observe.network`
 void check_network(const scene::Scene& scene);
 
 }  // namespace interply::solve

@@ -76,6 +76,22 @@ TEST_F(AdmissionTest, LeavingWhenToldToIsNoLoss) {
   EXPECT_THAT(admission.judge(make_join("ply_2")).refusal, HasSubstr("cancelled"));
 }
 
+TEST_F(AdmissionTest, ASolverOfAnotherKindIsToldWhichToStartAndTheSeatStaysFree) {
+  Admission admission{kDigest, {{.layer = "ply_1", .n_nodes = 20, .kind = "fabric"}}};
+  Join join = make_join("ply_1");
+  join.kind = "metal";
+  EXPECT_THAT(admission.judge(join).refusal, HasSubstr("start interply-solver-fabric for it"));
+  join.kind = "fabric";
+  EXPECT_EQ(admission.judge(join).who, 0);
+}
+
+TEST_F(AdmissionTest, TheHostOfAPeerIsOnePrintableLine) {
+  Join join = make_join("ply_1");
+  join.host = "node7\n@digest 0000000000000000\x1b[2J";
+  const int who = admission.judge(join).who;
+  EXPECT_EQ(admission.join(who).host, "node7\\x0a@digest 0000000000000000\\x1b[2J");
+}
+
 TEST_F(AdmissionTest, AWrongAnswerIsOurOwnMistake) {
   const int who = admit("ply_1");
   EXPECT_THROW(admission.note_answer(who, make_force(0, 20, 0)), std::logic_error);

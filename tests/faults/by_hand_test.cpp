@@ -39,7 +39,7 @@ class ByHand : public testing::Test {
 
 TEST_F(ByHand, ARunNeedsAddressAndLayerOnly) {
   start_coordinator({"--set", "motion.forming_time=0.2e-3"});
-  Program recorder("interply-recorder", {"--run", run_, "--out", folder_.path()}, folder_.path());
+  Program recorder("interply-recorder", {"--connect", address_, "--out", folder_.path()}, folder_.path());
   std::vector<std::unique_ptr<Program>> solvers;
   for (const auto* ply : {"ply_3", "ply_1", "ply_2"}) solvers.push_back(start_solver("fabric", ply));
   for (const auto* sheet : {"sheet_upper", "sheet_lower"}) solvers.push_back(start_solver("metal", sheet));
@@ -68,6 +68,9 @@ TEST_F(ByHand, AWrongSolverAndADuplicateAreRefusedAndTheRunGoesOn) {
   EXPECT_EQ(duplicate->wait(), 2) << duplicate->said();
   auto stranger = start_solver("fabric", "ply_9");
   EXPECT_EQ(stranger->wait(), 2) << stranger->said();
+  auto of_another_kind = start_solver("metal", "ply_2");
+  EXPECT_EQ(of_another_kind->wait(), 2) << of_another_kind->said();
+  EXPECT_THAT(of_another_kind->said(), HasSubstr("start interply-solver-fabric for it"));
   std::vector<std::unique_ptr<Program>> others;
   for (const auto* ply : {"ply_2", "ply_3"}) others.push_back(start_solver("fabric", ply));
   for (const auto* sheet : {"sheet_lower", "sheet_upper"}) others.push_back(start_solver("metal", sheet));

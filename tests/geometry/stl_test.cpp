@@ -125,6 +125,43 @@ TEST(Stl, SeveralSolidsAndCapitalLettersAreRead) {
   EXPECT_EQ(parse_stl(text + test::to_ascii_stl(moved), "boxes.stl").triangles.cols(), 24);
 }
 
+std::string replace_all(std::string text, const std::string& old_part, const std::string& new_part) {
+  for (std::size_t at = 0; (at = text.find(old_part, at)) != text.npos; at += new_part.size())
+    text.replace(at, old_part.size(), new_part);
+  return text;
+}
+
+void expect_box(const std::string& content, const std::string& what) {
+  const Surface s = parse_stl(content, "box.stl");
+  EXPECT_EQ(s.triangles.cols(), 12) << what;
+  EXPECT_TRUE(s.is_watertight()) << what;
+  EXPECT_NEAR(compute_volume(s), 48, 1e-12) << what;
+}
+
+TEST(Stl, TextIsReadHoweverItIsSpacedAndSpelled) {
+  const std::string text = test::to_ascii_stl(kBox);
+  expect_box("\xEF\xBB\xBF" + text, "byte order mark");
+  expect_box(" \n\t\n" + text, "blanks first");
+  expect_box(replace_all(text, "\n", "\r\n"), "CR LF");
+  expect_box(replace_all(text, "\n", "\r"), "CR");
+  expect_box(replace_all(text, " ", "\t  "), "tabs");
+  expect_box(replace_all(text, "end", "end "), "end loop, end facet, end solid");
+  expect_box(replace_all(text, " 1\n", " 1.0D+00\n"), "Fortran");
+  EXPECT_EQ(refuse("solid a\rfacet normal 0 0 1\router loop\rvertex 0 0 one\r"), "tool.stl:4: 'one' is not a number");
+  EXPECT_EQ(refuse("solid a\r\nfacet normal 0 0 1\r\nouter loop\r\nvertex 0 0 one\r\n"),
+            "tool.stl:4: 'one' is not a number");
+}
+
+TEST(Stl, BytesAfterTheLastTriangleAreCountedAndNotRead) {
+  std::string binary = test::to_binary_stl(kBox);
+  EXPECT_EQ(parse_stl(binary, "box.stl").bytes_after, 0u);
+  expect_box(binary + "made by hand", "a remark at the end");
+  EXPECT_EQ(parse_stl(binary + "made by hand", "box.stl").bytes_after, 12u);
+  binary.replace(0, 9, "solid box");
+  expect_box(binary + '\0', "solid and a byte more");
+  EXPECT_EQ(parse_stl(binary + '\0', "box.stl").bytes_after, 1u);
+}
+
 TEST(Stl, UnusableSurfacesAreRefusedWithTheCure) {
   Soup soup = kBox;
   soup.insert(soup.end(), {kBox[0], kBox[1], kBox[2] + mechanics::Vector3(0, 0, 5)});
@@ -144,12 +181,16 @@ TEST(Stl, UnusableSurfacesAreRefusedWithTheCure) {
 }
 
 TEST(Stl, BrokenFilesAreRefusedWithTheirPlace) {
-  EXPECT_EQ(refuse(""), "tool.stl: is no STL file: it does not begin with 'solid' and is shorter than a binary header");
+  EXPECT_EQ(refuse(""), "tool.stl: is no STL file: as a text it does not begin with 'solid'");
   const std::string binary = test::to_binary_stl(kBox);
   EXPECT_EQ(
       refuse(binary.substr(0, 600)),
-      "tool.stl: is no STL file: it does not begin with 'solid', and a binary one of 12 triangles has 684 bytes, not "
-      "600");
+      "tool.stl: is no STL file, or is cut off: a binary one of 12 triangles has 684 bytes, not 600; export it again");
+  std::string named = binary.substr(0, 600);
+  named.replace(0, 9, "solid box");  // many programs write this into the header of a binary file
+  EXPECT_EQ(refuse(named), refuse(binary.substr(0, 600)));
+  EXPECT_EQ(refuse("mesh of a tool\n"), "tool.stl: is no STL file: as a text it does not begin with 'solid'");
+  EXPECT_EQ(refuse("\xFF\xFEs"), "tool.stl: is saved as UTF-16; save it as UTF-8");
   const std::string text = test::to_ascii_stl(kBox);
   EXPECT_EQ(refuse(text.substr(0, text.find("endsolid"))),
             "tool.stl:86: 'facet or endsolid' is expected instead of the end of the file");

@@ -1,9 +1,12 @@
 /// Supervision of processes, with shell scripts in the place of coordinator, solvers and recorder.
 #include "launch/federation.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <sstream>
 
@@ -13,6 +16,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kStart{2};  ///< for three shells, at most
 
 Participant shell(const std::string& name, const std::string& script) { return {name, {"/bin/sh", "-c", script}}; }
 
@@ -122,11 +127,11 @@ TEST_F(FederationOfScripts, ALostCoordinatorIsNamed) {
   EXPECT_TRUE(is_gone("ply_1"));
 }
 
-TEST_F(FederationOfScripts, ALostRecorderStopsTheCoordinator) {
+TEST_F(FederationOfScripts, ARecorderThatFailsIsNamedWithItsReasonEvenIfTheCoordinatorSaysNothing) {
   const auto result =
       supervise("trap 'echo stopping; exit 5' TERM; echo bound x; while :; do sleep 0.1; done",
                 {shell("ply_1", remember("ply_1") + "exec sleep 600"), shell("recorder", "echo disk full; exit 1")});
-  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_EQ(result.exit_code, kFailed);
   EXPECT_THAT(result.message, HasSubstr("recorder"));
   EXPECT_THAT(result.message, HasSubstr("disk full"));
   EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("stopping"));
@@ -169,6 +174,42 @@ TEST_F(FederationOfScripts, ASecondInterruptKills) {
                                 {shell("ply_1", "trap '' TERM; " + remember("ply_1") + "while :; do sleep 1; done")});
   EXPECT_EQ(result.exit_code, kCancelled);
   EXPECT_TRUE(is_gone("coordinator"));
+}
+
+TEST_F(FederationOfScripts, AChildHasNoDescriptorOfOursButTheOneThatItIsGiven) {
+  const int foreign = open("/dev/null", O_RDONLY), given = open("/dev/null", O_RDONLY);  // not closed on exec
+  Participant recorder = shell("recorder", "ls /proc/$$/fd > " + (folder_ / "recorder_fd").string() + "; :");
+  recorder.inherited = given;
+  const auto result =
+      supervise("echo bound x; sleep 0.2", {shell("ply_1", "ls /proc/$$/fd > " + (folder_ / "ply_1_fd").string() + "; :"), recorder});
+  close(foreign);
+  close(given);
+  EXPECT_EQ(result.exit_code, kDone) << result.message;
+  EXPECT_EQ(read(folder_ / "ply_1_fd"), "0\n1\n2\n");
+  EXPECT_EQ(read(folder_ / "recorder_fd"), "0\n1\n2\n" + std::to_string(given) + "\n");
+}
+
+TEST_F(FederationOfScripts, WhatAChildSaysReachesNoTerminalUnescaped) {
+  const auto result = supervise(
+      "echo bound x; printf 'a note\\033[2J\\n@progress \\033]0;title\\007\\n'; sleep 0.2",
+      {shell("ply_1", "printf '@digest 0000000000000000\\n@summary a lie\\nboom\\033[31m\\n'; kill -9 $$")});
+  EXPECT_EQ(result.digest, "") << "the coordinator alone says digests";
+  EXPECT_EQ(result.summary, "");
+  EXPECT_THAT(result.message, HasSubstr("boom\\x1b[31m"));
+  EXPECT_EQ(shown_.find('\x1b'), std::string::npos) << shown_;
+}
+
+TEST_F(FederationOfScripts, AllHaveEndedTwoSecondsAfterASignalHoweverDeafTheyAre) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto deaf = [&](const std::string& name) {
+    return shell(name, "trap '' INT TERM HUP; " + remember(name) + "while :; do sleep 0.05; done");
+  };
+  const auto result = supervise("trap '' INT TERM HUP; echo bound x; while [ ! -s " + (folder_ / "ply_1").string() +
+                                    " ]; do sleep 0.02; done; kill -HUP $PPID; while :; do sleep 0.05; done",
+                                {deaf("ply_1"), deaf("recorder")});
+  EXPECT_EQ(result.exit_code, kCancelled);
+  EXPECT_TRUE(is_gone("ply_1") && is_gone("recorder"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2) + kStart);
 }
 
 TEST_F(FederationOfScripts, AMissingProgramIsNamed) {

@@ -176,7 +176,7 @@ TEST(Watcher, ThatCannotBeServedIsWarnedOfOnceAndTheRunGoesOn) {
   run.put_start(*sink);
   run.put_frame(*sink, 0);
   EXPECT_TRUE(sink->flush(1));
-  EXPECT_THAT(log.text(), HasSubstr("run " + options.run + " cannot be watched: "));
+  EXPECT_THAT(log.text(), HasSubstr("nobody can watch this process: DDS cannot open domain 229 on 127.0.0.1"));
   EXPECT_LE(log.lines(), 2) << log.text();
 }
 
@@ -222,7 +222,7 @@ TEST(Watcher, OfJunkPacketsLogsOneLineASecond) {
     const int junk = socket(AF_INET, SOCK_DGRAM, 0);
     // An RTPS header and a submessage that is longer than the packet, with control characters.
     const std::string packet("RTPS\x02\x01\x42\x42\033[2J\nabcdefgh\x15\x01\xff\x00\033\n\033\n", 32);
-    for (int i = 0; i < 3000; ++i) {
+    while (seconds_since(start) < 1.5) {
       for (const std::string& to : sockets) {
         sockaddr_in address{.sin_family = AF_INET,
                             .sin_port = htons(static_cast<std::uint16_t>(std::stoi(to.substr(to.find(':') + 1)))),

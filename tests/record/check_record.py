@@ -4,6 +4,7 @@ check_record.py values RECORD FRAMES ROWS STATUS   every value of the first FRAM
 check_record.py prefix RECORD FRAMES               the same of a broken-off record, whatever lies beyond
 check_record.py attributes RECORD                  unit and description on every dataset
 check_record.py xdmf SIDECAR FRAMES                the sidecar, resolved as XDMF 2 says
+check_record.py well_formed SIDECAR                it can be parsed
 check_record.py vtk SIDECAR FRAMES                 what vtkXdmfReader makes of it
 """
 
@@ -162,6 +163,8 @@ if __name__ == "__main__":
         check_attributes(file)
     elif command == "xdmf":
         check_xdmf(file, int(rest[0]))
+    elif command == "well_formed":
+        ElementTree.parse(file)
     elif command == "vtk":
         check_vtk(file, int(rest[0]))
     else:

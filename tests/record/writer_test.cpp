@@ -19,6 +19,7 @@ using test::run_check;
 using test::sample_value;
 using test::SampleRun;
 using test::TemporaryFolder;
+using testing::HasSubstr;
 
 void put_whole_run(observe::Sink& sink, const SampleRun& run) {
   run.put_start(sink);
@@ -81,17 +82,17 @@ TEST(RecordWriter, OrderOfArrivalDoesNotMatter) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const TemporaryFolder folder;
     RecordWriter writer(folder / "record.h5");
-    // Frames of one participant stay in order, as does the history; everything else may overtake.
-    std::vector<std::vector<std::function<void()>>> queues(8);
-    queues[0] = {[&] { writer.put(run.header()); }};
-    queues[7] = {[&] { writer.put(run.end(4)); }};
-    for (int l = 0; l < 2; ++l) queues[1 + l].push_back([&, l] { writer.put(run.mesh(l)); });
+    // The header is first. What one participant sends stays in order, everything else may overtake.
+    writer.put(run.header());
+    std::vector<std::vector<std::function<void()>>> queues(7);
+    queues[6] = {[&] { writer.put(run.end(4)); }};
+    for (int l = 0; l < 2; ++l) queues[l].push_back([&, l] { writer.put(run.mesh(l)); });
     for (int k = 0; k < 4; ++k) {
-      for (int l = 0; l < 2; ++l) queues[1 + l].push_back([&, l, k] { writer.put(run.layer_frame(l, k)); });
-      for (int i = 0; i < 2; ++i) queues[3 + i].push_back([&, i, k] { writer.put(run.interface_frame(i, k)); });
-      queues[5].push_back([&, k] { writer.put(run.tool_frame(k)); });
+      for (int l = 0; l < 2; ++l) queues[l].push_back([&, l, k] { writer.put(run.layer_frame(l, k)); });
+      for (int i = 0; i < 2; ++i) queues[2 + i].push_back([&, i, k] { writer.put(run.interface_frame(i, k)); });
+      queues[4].push_back([&, k] { writer.put(run.tool_frame(k)); });
     }
-    for (int i = 0; i < 6; ++i) queues[6].push_back([&, i] { writer.put(run.history_row(i)); });
+    for (int i = 0; i < 6; ++i) queues[5].push_back([&, i] { writer.put(run.history_row(i)); });
     std::mt19937 random(seed);
     while (!queues.empty()) {
       const std::size_t pick = random() % queues.size();
@@ -127,6 +128,7 @@ TEST(RecordWriter, FileIsValidAtEveryInstant) {
   run.put_start(writer);
   for (int k = 0; k < 4; ++k) {
     writer.put(run.history_row(k));
+    writer.flush(0);
     check_copy(k, k + 1);
     for (int l = 0; l < 2; ++l) {
       writer.put(run.layer_frame(l, k));
@@ -216,70 +218,101 @@ TEST(RecordWriter, RefusesToOverwriteUnlessTold) {
   const SampleRun run;
   RecordWriter writer(folder / "record.h5", true);
   put_whole_run(writer, run);
+  writer.close();
   EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 4);
 }
 
-TEST(RecordWriter, LeavesOutWhatDoesNotFit) {
+/// Nothing that belongs to a run can be left out, and nothing else can reach a record: the run is told.
+TEST(RecordWriter, RefusesWhatDoesNotFitAndNamesIt) {
   const TemporaryFolder folder;
   const SampleRun run;
   RecordWriter writer(folder / "record.h5");
+  const auto refusal = [&](const auto& value) -> std::string {
+    try {
+      writer.put(value);
+    } catch (const Misfit& misfit) {
+      return misfit.what();
+    }
+    return "nothing was thrown";
+  };
+  EXPECT_THAT(refusal(run.mesh(0)), HasSubstr("before the header"));
+  writer.put(run.header());
+  EXPECT_THAT(refusal(run.header()), HasSubstr("a second header"));
   observe::LayerMesh other = run.mesh(0);
   other.layer = "stranger";
-  writer.put(other);
-  run.put_start(writer);
+  EXPECT_THAT(refusal(other), HasSubstr("'stranger' is not part of this run"));
+  for (int l = 0; l < 2; ++l) writer.put(run.mesh(l));
+  EXPECT_THAT(refusal(run.mesh(1)), HasSubstr("a second mesh of layer 'sheet'"));
   for (int k = 0; k < 2; ++k) run.put_frame(writer, k);
 
   observe::LayerFrame stranger = run.layer_frame(0, 2);
   stranger.layer = "stranger";
-  observe::LayerFrame beyond = run.layer_frame(0, 2);
-  beyond.frame = 4;
-  observe::LayerFrame smaller = run.layer_frame(1, 2);
-  smaller.position.conservativeResize(3, 7);
-  observe::LayerFrame renamed = run.layer_frame(1, 2);
-  renamed.fields[0].name = "strain";
-  observe::InterfaceFrame shorter = run.interface_frame(0, 2);
-  shorter.fields.pop_back();
+  EXPECT_THAT(refusal(stranger), HasSubstr("layer 'stranger' does not fit: not part of this run"));
   observe::ToolFrame negative = run.tool_frame(2);
   negative.frame = -1;
+  EXPECT_THAT(refusal(negative), HasSubstr("frame -1 of tool 'punch' does not fit: not in [0, 3]"));
+  observe::LayerFrame beyond = run.layer_frame(0, 2);
+  beyond.frame = 4;
+  EXPECT_THAT(refusal(beyond), HasSubstr("not in [0, 3]"));
+  EXPECT_THAT(refusal(run.layer_frame(0, 1)), HasSubstr("frame 1 of layer 'ply_1' does not fit: already recorded"));
+  writer.put(run.layer_frame(0, 2));
   observe::ToolFrame late = run.tool_frame(2);
   late.step = 7;
-  for (const auto& f : {stranger, beyond, smaller, renamed}) writer.put(f);
-  writer.put(shorter);
-  writer.put(negative);
-  writer.put(run.layer_frame(0, 2));
-  writer.put(late);
+  EXPECT_THAT(refusal(late), HasSubstr("of step 7 where the others have step 200"));
+  observe::LayerFrame smaller = run.layer_frame(1, 2);
+  smaller.position.conservativeResize(3, 7);
+  EXPECT_THAT(refusal(smaller), HasSubstr("'sheet' has 7 positions for 36 nodes"));
+  observe::InterfaceFrame shorter = run.interface_frame(0, 2);
+  shorter.fields.pop_back();
+  EXPECT_THAT(refusal(shorter), HasSubstr("has 1 fields where its first frame had 2"));
   EXPECT_EQ(writer.frames_complete(), 2);
+}
 
-  writer.put(run.layer_frame(0, 1));  // again
-  run.put_frame(writer, 2);
-  run.put_frame(writer, 3);
+TEST(RecordWriter, RowsBeyondTheHistoryAreLeftOutAndSettled) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  for (int k = 0; k < 4; ++k) run.put_frame(writer, k);
   for (int i = 0; i < 9; ++i) writer.put(run.history_row(i));
+  writer.flush(0);
+  EXPECT_EQ(writer.rows_settled(), 9);
   writer.put(run.end(4));
   writer.close();
   EXPECT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 6 done"), 0);
 }
 
-TEST(RecordWriter, NamesWhoseFrameIsMissing) {
+TEST(RecordWriter, ARunIsNotDoneWhileFramesAreMissing) {
   const TemporaryFolder folder;
   const SampleRun run;
   RecordWriter writer(folder / "record.h5");
-  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("header"));
-  writer.put(run.header());
-  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("ended"));
-  writer.put(run.end(2));
-  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("mesh of ply_1, sheet"));
   run.put_start(writer);
-  EXPECT_THAT(writer.describe_missing(), testing::HasSubstr("frame 0 of layer 'ply_1', layer 'sheet'"));
   run.put_frame(writer, 0);
   writer.put(run.layer_frame(0, 1));
-  writer.put(run.interface_frame(0, 1));
-  writer.put(run.interface_frame(1, 1));
-  writer.put(run.tool_frame(1));
-  EXPECT_EQ(writer.describe_missing(), "frame 1 of layer 'sheet' is missing");
-  EXPECT_FALSE(writer.is_complete());
-  writer.put(run.layer_frame(1, 1));
-  EXPECT_EQ(writer.describe_missing(), "");
-  EXPECT_TRUE(writer.is_complete());
+  writer.put(run.end(4));
+  writer.close();
+  const RecordReader reader(folder / "record.h5");
+  EXPECT_EQ(reader.read_text("status"), "lost");
+  EXPECT_EQ(reader.read_text("digest"), "");
+  EXPECT_THAT(reader.read_text("message"), HasSubstr("frame 1 of layer 'sheet'"));
+}
+
+TEST(RecordWriter, KeepsASceneThatIsThereAndWritesTheSummary) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  std::ofstream(folder / "scene.yaml") << "a person's own";
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  run.put_frame(writer, 0);
+  observe::RunEnd end = run.end(1);
+  end.summary = "{}";
+  writer.put(end);
+  writer.close();
+  std::string line;
+  ASSERT_TRUE(std::getline(std::ifstream(folder / "scene.yaml"), line));
+  EXPECT_EQ(line, "a person's own");
+  ASSERT_TRUE(std::getline(std::ifstream(folder / "summary.json"), line));
+  EXPECT_EQ(line, "{}");
 }
 
 TEST(RecordWriter, RefusesNamesThatCollideInTheFile) {
@@ -309,7 +342,8 @@ TEST(RecordWriter, FailureToMakeTheFileLeavesNothingBehind) {
   } catch (const std::runtime_error& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("field 'stress' of 'ply_1' has 7 values for 32 elements"));
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_FALSE(std::filesystem::exists(folder / "record.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "record.h5.partial"));
 }
 
 TEST(Xdmf, SidecarDescribesEveryFrameGridAndField) {
@@ -330,6 +364,38 @@ TEST(Xdmf, VtkShowsEveryFrameGridAndField) {
   run.put_start(writer);
   for (int k = 0; k < 4; ++k) run.put_frame(writer, k);
   EXPECT_EQ(run_check("vtk " + (folder / "record.xdmf").string() + " 4"), 0);
+}
+
+TEST(Xdmf, SidecarHasItsSizeFromTheStartAndIsWellFormedAtEveryInstant) {
+  const TemporaryFolder folder;
+  const SampleRun run(12);
+  RecordWriter writer(folder / "record.h5");
+  run.put_start(writer);
+  run.put_frame(writer, 0);
+  const auto size = std::filesystem::file_size(folder / "record.xdmf");
+  for (int k = 1; k < 13; ++k) run.put_frame(writer, k);
+  EXPECT_EQ(std::filesystem::file_size(folder / "record.xdmf"), size);
+  EXPECT_EQ(run_check("xdmf " + (folder / "record.xdmf").string() + " 13"), 0);
+}
+
+/// Two hyphens would end the comment that hides a frame which is not there yet.
+TEST(Xdmf, NamesWithHyphensAreNames) {
+  const TemporaryFolder folder;
+  observe::RunHeader header;
+  header.layers = {"a--b-"};
+  observe::LayerMesh mesh = SampleRun().mesh(0);
+  mesh.layer = "a--b-";
+  observe::LayerFrame frame = SampleRun().layer_frame(0, 0);
+  frame.layer = "a--b-";
+  header.frames = 2;
+  RecordWriter writer(folder / "record.h5");
+  writer.put(header);
+  writer.put(mesh);
+  for (int k = 0; k < 2; ++k) {
+    frame.frame = k;
+    writer.put(frame);
+    EXPECT_EQ(run_check("well_formed " + (folder / "record.xdmf").string()), 0);
+  }
 }
 
 }  // namespace

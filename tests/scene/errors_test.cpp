@@ -199,10 +199,23 @@ TEST(SceneErrors, AddressIsOneThatTheExchangeKnows) {
   for (const char* good : {"shm", "ipc", "shm:///tmp/x", "ipc:///tmp/x", "tcp://127.0.0.1:5555", "tcp://[::1]:65535"})
     EXPECT_EQ(refuse_value(std::string("exchange.address=\"") + good + "\""), "");
   for (const std::string bad :
-       {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "shm://", "ipc://", "tcp://a:5x"})
+       {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "shm://", "ipc://", "tcp://a:5x", "tcp://::1:5"})
     EXPECT_EQ(
         refuse(kSmallScene + "exchange: {address: \"" + bad + "\"}\n"),
         "scene.yaml:15: exchange.address: '" + bad + "' is not shm, ipc, shm://path, ipc://path or tcp://host:port");
+}
+
+TEST(SceneErrors, NameIsThatOfOneFolder) {
+  for (const char* good : {"trial", "Versuch 7 (Köper)", "a.b-c_d+e"})
+    EXPECT_EQ(refuse_value(std::string("name=\"") + good + "\""), "") << good;
+  for (const std::string& bad : std::vector<std::string>{"../../escaped", "/tmp/x", "a/b", "..", ".", ".hidden", "", "--overwrite", "a\\nb",
+                                "a\\eb", std::string(101, 'x')})
+    EXPECT_NE(refuse_value("name=\"" + bad + "\"").find("cannot name the folder of a run"), std::string::npos) << bad;
+}
+
+TEST(SceneErrors, LayersAreNotNamedAsTheOtherProcesses) {
+  for (const std::string role : {"coordinator", "recorder", "monitor"})
+    EXPECT_NE(refuse_value("layers.ply_1.name=" + role).find("another process of a run"), std::string::npos);
 }
 
 TEST(SceneErrors, ToolIsEitherParametersOrASurface) {

@@ -84,6 +84,29 @@ TEST_F(BlankFiles, AChangedFileIsAnotherScene) {
   }
 }
 
+/// A file without others has the digest of its content; with others, it has that of all of them.
+TEST_F(BlankFiles, AChangedIncludedFileIsAnotherScene) {
+  const std::string grid = make_grid(0, 4);
+  const std::size_t cut = grid.find("*ELEMENT");
+  fs::create_directory(folder_ / "parts");
+  write("parts/nodes.inp", grid.substr(0, cut));
+  write("main.inp", "*INCLUDE, INPUT=parts/nodes.inp\n" + grid.substr(cut));
+  const Scene scene = read("{mesh: {file: main.inp, set: all}}");
+  EXPECT_EQ(read_mesh_of(scene, 0)->points, read_mesh_of(read("{mesh: {file: half.inp}}"), 0)->points);
+  write("parts/nodes.inp", grid.substr(0, cut) + "** a remark\n");
+  EXPECT_NE(read("{mesh: {file: main.inp, set: all}}").digest, scene.digest);
+  try {
+    read_mesh_of(scene, 0);
+    FAIL();
+  } catch (const SceneError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("blank.mesh.file: " + in_folder("main.inp") + " has changed"));
+  }
+  fs::remove(folder_ / "parts/nodes.inp");
+  EXPECT_THAT(refuse("{mesh: {file: main.inp}}"),
+              HasSubstr("main.inp:1: includes 'parts/nodes.inp', but " + in_folder("parts/nodes.inp") +
+                        ": there is no such file"));
+}
+
 TEST_F(BlankFiles, ARectangleAndAMeshExcludeEachOther) {
   EXPECT_THAT(refuse("{mesh: {file: half.inp}, length: 280, mesh_size: 5}"),
               testing::AllOf(HasSubstr("blank.length: and blank.mesh are both given; keep one of them"),

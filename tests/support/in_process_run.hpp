@@ -58,14 +58,17 @@ inline coordinator::Outcome run_in_process(const scene::Scene& scene, const InPr
                                            observe::Sink& sink) {
   std::vector<exchange::Expected> expected;
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
-    expected.push_back({scene.layers[i].name, solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes()});
+    expected.push_back({.layer = scene.layers[i].name,
+                        .n_nodes = solve::make_layer_mesh(scene, static_cast<int>(i)).n_nodes(),
+                        .kind = solve::to_word(scene.layers[i].kind())});
   exchange::InProcessHub hub(scene.digest, expected);
   const auto run_layer = [&](int i) {
     const scene::Layer& layer = scene.layers[static_cast<std::size_t>(i)];
     std::unique_ptr<exchange::SolverLink> link = hub.connect();
     if (options.delay_seed) link = std::make_unique<LateLink>(std::move(link), 100 * options.delay_seed + i);
     try {
-      link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "test"}, 60);
+      link->join(
+          {.scene_digest = scene.digest, .layer = layer.name, .host = "test", .kind = solve::to_word(layer.kind())}, 60);
       solve::run_session(scene, i, options.factory ? options.factory : launch::find_layer_factory(layer.kind()), *link,
                          sink);
     } catch (const std::exception&) {  // the coordinator has been told

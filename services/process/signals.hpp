@@ -1,0 +1,48 @@
+/// How a process of a run is asked to end, and that it does.
+#pragma once
+
+#include <csignal>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace interply::process {
+
+/// Seconds that a process has to end once it was asked to, or once its work is done.
+inline constexpr double kGrace = 1.7;
+
+/// From now on the process ends with this exit code when `seconds` have passed, whatever its threads and libraries still
+/// wait for. The first call of a process decides.
+void end_within(double seconds, int exit_code);
+
+/// Takes SIGINT, SIGTERM and SIGHUP, the last unless it was ignored when the process began (nohup). The first one is told
+/// to whoever wants to know and ends the process within kGrace; the second ends it at once. For the start of main():
+/// threads that began earlier would die of them. One per process.
+class EndRequests {
+ public:
+  /// @param exit_code  of a process that has to be ended
+  explicit EndRequests(int exit_code);
+
+  /// `told` is called once with why, from another thread, or now if the request has come already.
+  void tell(std::function<void(const std::string& why)> told);
+  /// Before what tell() was given goes away.
+  void forget();
+
+ private:
+  [[noreturn]] void watch();
+  void request(const std::string& why);
+
+  const int exit_code_;
+  const int launcher_;  ///< parent when the process began
+  sigset_t handled_{};
+  std::mutex mutex_;
+  std::optional<std::string> why_;
+  std::function<void(const std::string&)> told_;
+};
+
+/// For a process that needs no order to end: SIGINT, SIGTERM and SIGHUP end it at once; but when its parent has died,
+/// which sends SIGTERM to every participant of a run at once, a second later, so that the coordinator can say so first.
+void end_by_signals();
+
+}  // namespace interply::process

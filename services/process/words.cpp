@@ -1,0 +1,44 @@
+#include "process/words.hpp"
+
+#include <algorithm>
+
+namespace interply::process {
+
+namespace {
+
+unsigned char byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
+
+/// Length of the printable character that begins the text; 0: it begins with none.
+std::size_t measure_character(std::string_view text) {
+  const unsigned char first = byte_at(text, 0);
+  if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;
+  const std::size_t length = first >= 0xc2 && first < 0xe0 ? 2 : first >= 0xe0 && first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  if (first < 0xc2 || length == 0 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte_at(text, i) & 0xc0) != 0x80) return 0;
+  const bool is_control = first == 0xc2 && byte_at(text, 1) < 0xa0;
+  return is_control ? 0 : length;
+}
+
+}  // namespace
+
+std::string to_line(std::string_view text, std::size_t most) {
+  static constexpr const char* kDigits = "0123456789abcdef";
+  std::string line;
+  line.reserve(std::min(text.size(), most));
+  while (!text.empty()) {
+    if (line.size() >= most) return line + "...";
+    const std::size_t length = measure_character(text);
+    if (length > 0) {
+      line.append(text.substr(0, length));
+      text.remove_prefix(length);
+    } else {
+      const unsigned char byte = byte_at(text, 0);
+      line += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
+      text.remove_prefix(1);
+    }
+  }
+  return line;
+}
+
+}  // namespace interply::process
