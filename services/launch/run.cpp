@@ -12,9 +12,9 @@
 #include "coordinator/tools.hpp"
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
-#include "observe/dds.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace fs = std::filesystem;
@@ -41,16 +41,7 @@ std::vector<fs::path> find_old_logs(const RunFolder& folder) {
 }  // namespace
 
 void check_addresses(const scene::Scene& scene, const std::string& address) {
-  if (scene.record.frames > 0) {
-    try {
-      observe::check_network({.network = scene.observe.network,
-                              .multicast = scene.observe.multicast,
-                              .domain = scene.observe.domain,
-                              .run = "run"});
-    } catch (const std::runtime_error& e) {
-      throw scene::SceneError(e.what());
-    }
-  }
+  solve::check_network(scene);
   const std::string& chosen = address.empty() ? scene.exchange.address : address;
   if (chosen == "shm" || chosen == "ipc") return;
   try {

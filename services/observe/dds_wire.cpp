@@ -22,6 +22,10 @@ dds_sequence_long view(const mechanics::Triangles& a) {
   const auto length = static_cast<std::uint32_t>(a.size());
   return {length, length, const_cast<int*>(a.data()), false};
 }
+dds_sequence_long_long view(const std::vector<std::int64_t>& a) {
+  const auto length = static_cast<std::uint32_t>(a.size());
+  return {length, length, const_cast<std::int64_t*>(a.data()), false};
+}
 dds_sequence_string view(const std::vector<std::string>& a, std::vector<char*>& pointers) {
   for (const std::string& s : a) pointers.push_back(view(s));
   const auto length = static_cast<std::uint32_t>(pointers.size());
@@ -44,6 +48,7 @@ Sequence view(const std::vector<ToolSurface>& a, std::vector<interply_observe_To
 }
 
 std::vector<double> copy(const dds_sequence_double& w) { return {w._buffer, w._buffer + w._length}; }
+std::vector<std::int64_t> copy(const dds_sequence_long_long& w) { return {w._buffer, w._buffer + w._length}; }
 std::vector<std::string> copy(const dds_sequence_string& w) { return {w._buffer, w._buffer + w._length}; }
 
 /// [3 x n] row-major array.
@@ -133,7 +138,9 @@ Encoded<RunHeader> encode(const RunHeader& a, const std::string& run) {
               .interface_others = view(a.interface_others, e.strings[4]),
               .tool_surfaces = view<decltype(e.sample.tool_surfaces)>(a.tool_surfaces, e.surfaces),
               .frames = a.frames,
-              .history_capacity = a.history_capacity};
+              .history_capacity = a.history_capacity,
+              .nodes = view(a.nodes),
+              .elements = view(a.elements)};
   return e;
 }
 
@@ -242,7 +249,9 @@ RunHeader decode(const interply_observe_RunHeader& w) {
           .interface_others = copy(w.interface_others),
           .tool_surfaces = copy_surfaces(w.tool_surfaces),
           .frames = w.frames,
-          .history_capacity = w.history_capacity};
+          .history_capacity = w.history_capacity,
+          .nodes = copy(w.nodes),
+          .elements = copy(w.elements)};
 }
 
 LayerMesh decode(const interply_observe_LayerMesh& w) {
@@ -313,7 +322,10 @@ HistoryRow decode(const interply_observe_HistoryRow& w) {
 }
 
 RunEnd decode(const interply_observe_RunEnd& w) {
-  return {.status = w.status, .message = w.message, .digest = w.digest, .frames_complete = w.frames_complete,
+  return {.status = w.status,
+          .message = w.message,
+          .digest = w.digest,
+          .frames_complete = w.frames_complete,
           .summary = w.summary};
 }
 

@@ -91,9 +91,6 @@ Qos make_reader_qos(int depth);
 /// Quality of service of a publisher or subscriber: the partition.
 Qos make_partition_qos(const std::string& run);
 
-/// User data by which a writer tells a recorder's readers from others.
-inline constexpr const char* kRecorderMark = "interply-recorder";
-
 /// A wire sample and the small arrays it points to.
 template <typename T>
 struct Encoded {

@@ -71,6 +71,8 @@ void KnownRun::admit(const RunHeader& a, const std::string& run, const Sender& s
   require_distinct(a.tools, "tools");
   require(a.interface_nodes_of.size() == a.interfaces.size(), "a header with {} interfaces on the nodes of {} layers",
           a.interfaces.size(), a.interface_nodes_of.size());
+  require(a.nodes.size() == a.elements.size() && (a.nodes.empty() || a.nodes.size() == a.layers.size()),
+          "a header with {} layers and sizes of {} and {} meshes", a.layers.size(), a.nodes.size(), a.elements.size());
   for (const std::string& layer : a.interface_nodes_of) index_of(a.layers, layer, "layer");
   require(a.interface_others.size() == a.interfaces.size() && a.tool_surfaces.size() == a.tools.size(),
           "a header with {} interfaces of {} others and {} tools of {} surfaces", a.interfaces.size(),
@@ -79,7 +81,8 @@ void KnownRun::admit(const RunHeader& a, const std::string& run, const Sender& s
   require(a.history_capacity >= 0 && a.history_capacity <= kMostRows, "a header of {} history rows",
           a.history_capacity);
   require(!has_header() || (a.layers == header_.layers && a.interfaces == header_.interfaces &&
-                            a.tools == header_.tools && a.frames == header_.frames),
+                            a.tools == header_.tools && a.nodes == header_.nodes && a.elements == header_.elements &&
+                            a.frames == header_.frames),
           "a second header that says something else");
   header_ = a;
   header_.scene_text.clear();
@@ -90,8 +93,10 @@ void KnownRun::admit(const RunHeader& a, const std::string& run, const Sender& s
 void KnownRun::admit(const LayerMesh& a, const std::string& run, const Sender& sender) {
   check_run(run);
   require(sender != Sender{}, "its sender is not known any more");
-  index_of(header_.layers, a.layer, "layer");
+  const std::size_t i = index_of(header_.layers, a.layer, "layer");
   const Mesh mesh{sender, a.reference.cols(), a.triangles.cols()};
+  require(header_.nodes.empty() || (header_.nodes[i] == mesh.nodes && header_.elements[i] == mesh.elements),
+          "a mesh of {} nodes and {} elements, which layer '{}' has not", mesh.nodes, mesh.elements, a.layer);
   const auto known = meshes_.find(a.layer);
   require(known == meshes_.end() || (known->second.sender == sender && known->second.nodes == mesh.nodes &&
                                      known->second.elements == mesh.elements),

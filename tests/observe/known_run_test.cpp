@@ -129,8 +129,15 @@ TEST(KnownRun, AHeaderOfATerabyteOrAMeshThatIsNoMeshIsNotAdmitted) {
   EXPECT_NE(refusal(known, header, kStranger), "");
   header.layers.clear();
   EXPECT_NE(refusal(known, header, kStranger), "");
+  header = run.header();
+  header.nodes = header.elements = {25};
+  EXPECT_NE(refusal(known, header, kStranger), "");
   EXPECT_FALSE(known.has_header());
-  EXPECT_EQ(refusal(known, run.header(), kCoordinator), "");
+  header = run.header();
+  header.nodes = {25, 36};
+  header.elements = {32, 50};
+  EXPECT_EQ(refusal(known, header, kCoordinator), "");
+  EXPECT_THAT(refusal(known, SampleRun(3, 9).mesh(0), kPly), HasSubstr("which layer 'ply_1' has not"));
   LayerMesh mesh = run.mesh(0);
   mesh.triangles(2, 3) = static_cast<int>(mesh.reference.cols());
   EXPECT_THAT(refusal(known, mesh, kPly), HasSubstr("triangles of nodes that it has not"));
