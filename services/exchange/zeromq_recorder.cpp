@@ -5,9 +5,12 @@ namespace interply::exchange {
 
 namespace {
 
+/// A run may have nothing to record for long; as long as a solver waits by default, a coordinator may hang.
+constexpr double kSilence = 120;
+
 class ZeromqRecorder final : public RecorderLink {
  public:
-  explicit ZeromqRecorder(const std::string& address) : client_(address) {}
+  explicit ZeromqRecorder(const std::string& address) : client_(address, kSilence) {}
 
   Welcome join(const Join& join, double deadline) override {
     MailOffer none;

@@ -2,6 +2,7 @@
 /// lost on the way, and the run waits for it.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -11,9 +12,11 @@
 #include <optional>
 #include <string>
 
+#include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/sample.hpp"
 #include "record/file.hpp"
+#include "record/run_folder.hpp"
 #include "record/writer.hpp"
 
 namespace {
@@ -143,6 +146,7 @@ int main(int argc, char** argv) {
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 
+  ::umask(0077);
   spdlog::set_default_logger(spdlog::stderr_color_mt("recorder"));
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // a write that fails says so
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupt);
@@ -153,6 +157,12 @@ int main(int argc, char** argv) {
         {.layer = "recorder", .pid = static_cast<int>(getpid()), .host = host_name(), .records = true}, deadline);
     spdlog::info("joined {} as the recorder of run {}", address, welcome.run);
     return take_part(*link, writer);
+  } catch (const record::FolderRefused& e) {
+    spdlog::error("{}", e.what());
+    return kRefused;
+  } catch (const exchange::BadAddress& e) {
+    spdlog::error("--connect: {}", e.what());
+    return kRefused;
   } catch (const exchange::Refused& e) {
     spdlog::error("refused: {}", e.what());
     return kRefused;
