@@ -135,6 +135,7 @@ struct RecordWriter::Impl {
   std::optional<RecordFile> file;
   std::optional<Sidecar> sidecar;
   Attendance attendance;
+  std::map<int, std::map<std::string, double>> tool_positions;  ///< of frames that are not shown yet, mm
   int frames = 0;                ///< complete and in the file
   std::vector<HistoryRow> rows;  ///< that wait to be written
   int rows_written = 0;
@@ -161,7 +162,10 @@ struct RecordWriter::Impl {
     check_fields(f.layer, layout.meshes.at(f.layer), fields);
     layout.layer_fields.try_emplace(f.layer, fields);
   }
-  void learn(const InterfaceFrame& f) { layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields)); }
+  void learn(const InterfaceFrame& f) {
+    layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields));
+    layout.other_fields.try_emplace(f.interface, shapes_of(f.fields_on_other));
+  }
   void learn(const ToolFrame&) {}
 
   void create_file() {
@@ -189,6 +193,7 @@ struct RecordWriter::Impl {
     attendance.check(f);
     if (f.frame == 0) learn(f);
     attendance.note(f);
+    if constexpr (std::is_same_v<F, ToolFrame>) tool_positions[f.frame][f.tool] = f.position;
     if (file) {
       store(f);
     } else {
@@ -218,7 +223,8 @@ struct RecordWriter::Impl {
     write_rows();
     for (; attendance.is_complete(frames); ++frames) {
       file->complete_frame(frames, attendance.time(frames), attendance.step(frames));
-      sidecar->show(frames, attendance.time(frames));
+      sidecar->show(frames, attendance.time(frames), tool_positions[frames]);
+      tool_positions.erase(frames);
     }
   }
 
