@@ -13,11 +13,6 @@ constexpr double kFailureDelivery = 2;  ///< s to wait until a failure has arriv
 
 }  // namespace
 
-ZeromqClient::ZeromqClient(const std::string& address, double silence) : address_(address) {
-  if (silence > 0) socket_.limit_silence(silence);
-  socket_.connect(address);
-}
-
 Welcome ZeromqClient::join(const Join& join, double deadline, MailOffer& offer) {
   send(join);
   Welcome welcome;

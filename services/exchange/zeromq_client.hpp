@@ -12,9 +12,7 @@ namespace interply::exchange {
 
 class ZeromqClient {
  public:
-  /// @param silence  s after which a coordinator that does not even answer the link's own questions is lost; 0: whoever
-  ///                 waits has a deadline
-  explicit ZeromqClient(const std::string& address, double silence = 0);
+  explicit ZeromqClient(const std::string& address) : address_(address) { socket_.connect(address); }
 
   /// @param offer  receives what the coordinator offers for arrays
   Welcome join(const Join& join, double deadline, MailOffer& offer);

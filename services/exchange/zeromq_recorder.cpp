@@ -5,12 +5,9 @@ namespace interply::exchange {
 
 namespace {
 
-/// A run may have nothing to record for long; as long as a solver waits by default, a coordinator may hang.
-constexpr double kSilence = 120;
-
 class ZeromqRecorder final : public RecorderLink {
  public:
-  explicit ZeromqRecorder(const std::string& address) : client_(address, kSilence) {}
+  explicit ZeromqRecorder(const std::string& address) : client_(address) {}
 
   Welcome join(const Join& join, double deadline) override {
     MailOffer none;

@@ -20,7 +20,6 @@ constexpr int kLinger = 1000;           ///< ms that a closed socket still tries
 constexpr int kSendTimeout = 5000;      ///< ms until a full queue counts as a loss
 constexpr int kHeartbeat = 1000;        ///< ms between signs of life
 constexpr double kLongestSilence = 6000;  ///< s that ZeroMQ can tell the other end
-constexpr int kHeartbeat = 5000;        ///< ms between questions to a silent peer
 constexpr int kReconnect = 20;          ///< ms between attempts while nobody listens yet
 constexpr int kQueue = 100;             ///< messages per connection; lock-step needs two
 constexpr int kKernelBuffer = 4 << 20;  ///< bytes; a whole message fits
@@ -96,11 +95,6 @@ ZeromqSocket::ZeromqSocket(Type type) : parts_(std::make_unique<Parts>(type)) {}
 ZeromqSocket::~ZeromqSocket() = default;
 
 void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::sockopt::maxmsgsize, bytes); }
-
-void ZeromqSocket::limit_silence(double patience) {
-  parts_->socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeat);
-  parts_->socket.set(zmq::sockopt::heartbeat_timeout, static_cast<int>(1000 * patience));
-}
 
 void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
 

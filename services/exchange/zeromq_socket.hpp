@@ -38,8 +38,6 @@ class ZeromqSocket {
   /// Whoever says nothing for so long has lost its connection, at both ends: a cut link, a host that is gone, a process
   /// that is stopped. Whoever only computes is heard. Before bind(), s.
   void end_silence(double seconds);
-  /// Ends a connection whose other end has not answered for `patience` s, though nothing was to be said. Before connect().
-  void limit_silence(double patience);
   /// @throws BadAddress, std::runtime_error
   void connect(const std::string& address);
   void bind(const std::string& address);
