@@ -143,7 +143,6 @@ struct RecordWriter::Impl {
   bool closed = false;
 
   std::filesystem::path beside(const std::string& name) const { return path.parent_path() / name; }
-  std::vector<std::filesystem::path> list_files() const { return {path, sidecar_path(), beside("summary.json")}; }
   std::filesystem::path sidecar_path() const { return std::filesystem::path(path).replace_extension(".xdmf"); }
 
   /// Everything that is replaced.
