@@ -125,6 +125,29 @@ TEST_P(ProcessTest, AStoppedSolverIsNotSuspectAndGoesOn) {
   EXPECT_EQ(table.coordinator().receive(kPatience).kind, Event::Kind::Moved);
 }
 
+/// The deadline reaches the solver in a number of few bits: a long one must not come out short.
+TEST_P(ProcessTest, ALongDeadlineIsALongOneForTheOtherEndToo) {
+  for (const double deadline : {64.6, 66.0, 131.0}) {
+    const auto coordinator =
+        bind_zeromq(make_address(GetParam()), kWelcome, {{"ply_0", 300}}, ArraysBy::Mailbox, false, deadline);
+    const std::string endpoint = get_endpoint(*coordinator);
+    Child child([&] { run_busy_solver(endpoint, 0); });
+    advance(*coordinator, 1, 60);  // signs of life have been exchanged, too
+    child.signal(SIGSTOP);
+    Event event = coordinator->receive(0.5);
+    if (event.kind == Event::Kind::Moved) {  // sent before it was stopped
+      coordinator->send(0, make_force(0, 300, 61));
+      event = coordinator->receive(3);
+    }
+    EXPECT_EQ(event.kind, Event::Kind::None);
+    child.signal(SIGCONT);
+    event = coordinator->receive(kPatience);
+    EXPECT_EQ(event.kind, Event::Kind::Moved) << deadline << " s: " << event.message;
+    coordinator->send(0, make_force(0, 300, coordinator->motion(0).step));
+    EXPECT_EQ(coordinator->receive(kPatience).kind, Event::Kind::Moved) << deadline << " s";
+  }
+}
+
 TEST_P(ProcessTest, AKilledCoordinatorIsNoticed) {
   int pipe[2];
   ASSERT_EQ(::pipe(pipe), 0);
