@@ -5,6 +5,7 @@
 #include <csignal>
 #include <iostream>
 #include <new>
+#include <random>
 #include <sstream>
 
 #include "coordinator/coordinator.hpp"
@@ -46,6 +47,12 @@ std::vector<exchange::Expected> list_expected(const scene::Scene& scene) {
   return expected;
 }
 
+/// A name that no other run has, so that nothing of it is ever taken for another's.
+std::string make_identity(const std::string& name) {
+  std::random_device random;
+  return fmt::format("{}-{:08x}{:08x}", name, random(), random());
+}
+
 /// Free text among the lines that a launcher reads: one line, and none of those that begin with a word of ours.
 std::string to_plain_line(const std::string& text) {
   const std::string line = process::to_line(text);
@@ -83,14 +90,16 @@ int main(int argc, char** argv) {
     coordinator::check_tools(scene);
     solve::check_network(scene);
     const bool keeps_record = scene.record.frames > 0 && !no_record;
-    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run_name}, list_expected(scene),
-                                            exchange::ArraysBy::Mailbox, keeps_record);
-    requests.tell([&](const std::string& why) { link->cancel(why); });
+    const std::string run = make_identity(run_name);
+    const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run}, list_expected(scene),
+                                            exchange::ArraysBy::Mailbox, keeps_record, scene.exchange.wait_deadline);
+    const auto listening = requests.tell([&](const std::string& why) { link->cancel(why); });
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
+    std::cout << "run " << process::to_line(run) << std::endl;
     observe::TeeSink sink(std::make_unique<solve::LinkSink<exchange::CoordinatorLink>>(*link),
-                          observe::make_watch_sink(scene.record.frames > 0, solve::make_dds_options(scene, run_name)));
+                          observe::make_watch_sink(scene.record.frames > 0, solve::make_dds_options(scene, run)));
     const coordinator::Outcome outcome = coordinator::run(
-        scene, run_name, *link, sink,
+        scene, run, *link, sink,
         [](const coordinator::Progress& p) {
           std::cout << "@progress " << process::to_line(coordinator::format_progress(p)) << std::endl;
         },
@@ -103,7 +112,6 @@ int main(int argc, char** argv) {
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
     std::cout.flush();
     if (!outcome.message.empty()) std::cerr << to_plain_line(outcome.message) << std::endl;
-    requests.forget();
     process::end_within(process::kGrace, outcome.exit_code);  // whatever closing the links waits for
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {

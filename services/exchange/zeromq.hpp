@@ -15,6 +15,7 @@
 /// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,13 +37,16 @@ enum class ArraysBy {
   Messages  ///< like everything else
 };
 
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
 /// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
 /// @param welcome   what everyone accepted is told; a Join must know no scene or the one of `welcome.scene_digest`
 /// @param recorder  a recorder takes part, too
+/// @param silence   s without a sign of life of a process, computing or not, after which either end is rid of the other
 /// @throws std::runtime_error if the address cannot be bound
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
                                              std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox,
-                                             bool recorder = false);
+                                             bool recorder = false, double silence = kNoLimit);
 
 /// What a link of bind_zeromq() is really bound to, e.g. "tcp://127.0.0.1:40123".
 /// @throws std::bad_cast for any other link

@@ -16,6 +16,7 @@
 #include "exchange/wire.hpp"
 #include "exchange/zeromq.hpp"
 #include "exchange/zeromq_socket.hpp"
+#include "process/words.hpp"
 
 namespace interply::exchange {
 
@@ -63,18 +64,20 @@ class Alarm {
   std::string message_;
 };
 
+constexpr std::size_t kLongestMessage = 2000, kLongestName = 100;  ///< bytes that a participant may say
 constexpr int kQueuePerSeat = 100;  ///< messages; the recorder gets some of every layer for each frame under way
 
 class ZeromqCoordinator final : public CoordinatorLink {
  public:
   ZeromqCoordinator(const std::string& address, Welcome welcome, const std::vector<Expected>& expected, ArraysBy arrays,
-                    bool recorder)
+                    bool recorder, double silence)
       : welcome_(std::move(welcome)),
         admission_(welcome_.scene_digest, expected, recorder),
         peers_(static_cast<std::size_t>(admission_.size())) {
     socket_.limit_messages(std::max(compute_frame_limit(admission_.largest_layer()),
                                     compute_sample_limit(admission_.largest_sample())));
     socket_.set_queue(kQueuePerSeat * (2 + admission_.size()));
+    socket_.end_silence(silence);
     socket_.bind(address);
     if (arrays == ArraysBy::Mailbox) mail_ = make_mail_room(socket_.endpoint(), expected);
   }
@@ -261,6 +264,10 @@ class ZeromqCoordinator final : public CoordinatorLink {
         refusal = admission_.judge_final(who);
         if (!refusal.empty()) return refuse(who, "final", refusal);
         decoder_.read(event.final);
+        for (SummaryItem& item : event.final.summary) {
+          item.name = process::to_line(item.name, kLongestName);
+          item.unit = process::to_line(item.unit, kLongestName);
+        }
         socket_.send(peer(who).identity, encoder_.encode(Received{}));
         event.kind = Event::Kind::Ended;
         return event;
@@ -272,7 +279,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
         socket_.send(peer(who).identity, encoder_.encode(Received{}));
         event.kind = Event::Kind::Failed;
         event.reason = who == admission_.recorder() ? failure.reason : StopReason::Diverged;
-        event.message = std::move(failure.message);
+        event.message = process::to_line(failure.message, kLongestMessage);
         return event;
       }
       case MessageKind::Sample: {
@@ -335,8 +342,9 @@ class ZeromqCoordinator final : public CoordinatorLink {
 }  // namespace
 
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
-                                             std::vector<Expected> expected, ArraysBy arrays, bool recorder) {
-  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), expected, arrays, recorder);
+                                             std::vector<Expected> expected, ArraysBy arrays, bool recorder,
+                                             double silence) {
+  return std::make_unique<ZeromqCoordinator>(address, std::move(welcome), expected, arrays, recorder, silence);
 }
 
 std::string get_endpoint(const CoordinatorLink& link) {

@@ -12,6 +12,7 @@
 #include "coordinator/tools.hpp"
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
+#include "process/limits.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/watch.hpp"
@@ -20,6 +21,10 @@ namespace interply::launch {
 namespace fs = std::filesystem;
 
 namespace {
+
+// What the hungriest process of a run takes, measured, and as much again: the coordinator, or this one in process.
+constexpr int kDescriptors = 64, kDescriptorsPerLayer = 6;
+constexpr std::int64_t kAddressSpace = INT64_C(1) << 30;  ///< bytes, without the layers' arrays
 
 /// Everything that the run will write.
 std::vector<fs::path> list_files(const scene::Scene& scene, const RunFolder& folder) {
@@ -115,6 +120,8 @@ int run_command(const RunOptions& options) {
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);
+  process::require_descriptors(kDescriptors + kDescriptorsPerLayer * static_cast<int>(scene.layers.size()));
+  process::require_address_space(kAddressSpace);
   std::vector<std::string> warnings = check_laws(scene);
   for (const std::string& warning : scene::find_warnings(scene)) warnings.push_back(warning);
   for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);

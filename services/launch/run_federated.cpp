@@ -21,7 +21,7 @@ std::vector<Participant> list_others(const scene::Scene& scene, const RunFolder&
   std::vector<Participant> others;
   if (scene.record.frames > 0) {
     others.push_back({"recorder",
-                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out},
+                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out, "--folder-taken"},
                       folder.lock.descriptor()});
   }
   for (const auto& layer : scene.layers) {

@@ -3,8 +3,12 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstring>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 namespace interply::process {
 
@@ -19,43 +23,49 @@ void end_within(double seconds, int exit_code) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-EndRequests::EndRequests(int exit_code) : exit_code_(exit_code), launcher_(::getppid()) {
-  sigemptyset(&handled_);
+struct EndRequests::Parts {
+  const int exit_code;
+  const pid_t launcher = ::getppid();
+  sigset_t handled{};
+  std::mutex mutex;
+  std::optional<std::string> why;
+  std::function<void(const std::string&)> told;
+
+  [[noreturn]] void watch() {
+    for (bool first = true;; first = false) {
+      int signal = 0;
+      if (sigwait(&handled, &signal) != 0) continue;
+      if (!first) ::_exit(exit_code);
+      end_within(kGrace, exit_code);
+      const bool orphaned = signal == SIGTERM && ::getppid() != launcher;
+      const std::lock_guard lock(mutex);
+      why = orphaned ? "the launcher has died" : std::string("interrupted by SIG") + sigabbrev_np(signal);
+      if (told) told(*why);
+    }
+  }
+};
+
+EndRequests::EndRequests(int exit_code) : parts_(new Parts{.exit_code = exit_code}) {
+  sigemptyset(&parts_->handled);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     ::sigaction(signal, nullptr, &before);
-    if (signal != SIGHUP || before.sa_handler != SIG_IGN) sigaddset(&handled_, signal);
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) sigaddset(&parts_->handled, signal);
   }
-  pthread_sigmask(SIG_BLOCK, &handled_, nullptr);
-  std::thread([this] { watch(); }).detach();
+  pthread_sigmask(SIG_BLOCK, &parts_->handled, nullptr);
+  std::thread([parts = parts_] { parts->watch(); }).detach();
 }
 
-void EndRequests::watch() {
-  for (bool first = true;; first = false) {
-    int signal = 0;
-    if (sigwait(&handled_, &signal) != 0) continue;
-    if (!first) ::_exit(exit_code_);
-    end_within(kGrace, exit_code_);
-    const bool orphaned = signal == SIGTERM && ::getppid() != launcher_;
-    request(orphaned ? "the launcher has died" : std::string("interrupted by SIG") + sigabbrev_np(signal));
-  }
-}
-
-void EndRequests::request(const std::string& why) {
-  const std::lock_guard lock(mutex_);
-  why_ = why;
-  if (told_) told_(why);
-}
-
-void EndRequests::tell(std::function<void(const std::string&)> told) {
-  const std::lock_guard lock(mutex_);
-  told_ = std::move(told);
-  if (why_) told_(*why_);
+EndRequests::Listener EndRequests::tell(std::function<void(const std::string&)> told) {
+  const std::lock_guard lock(parts_->mutex);
+  parts_->told = std::move(told);
+  if (parts_->why) parts_->told(*parts_->why);
+  return Listener(*this);
 }
 
 void EndRequests::forget() {
-  const std::lock_guard lock(mutex_);
-  told_ = nullptr;
+  const std::lock_guard lock(parts_->mutex);
+  parts_->told = nullptr;
 }
 
 namespace {

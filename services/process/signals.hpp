@@ -1,10 +1,7 @@
 /// How a process of a run is asked to end, and that it does.
 #pragma once
 
-#include <csignal>
 #include <functional>
-#include <mutex>
-#include <optional>
 #include <string>
 
 namespace interply::process {
@@ -24,21 +21,24 @@ class EndRequests {
   /// @param exit_code  of a process that has to be ended
   explicit EndRequests(int exit_code);
 
+  /// Whoever wants to know, for as long as this lives.
+  class Listener {
+   public:
+    explicit Listener(EndRequests& requests) : requests_(requests) {}
+    ~Listener() { requests_.forget(); }
+    Listener(const Listener&) = delete;
+    Listener& operator=(const Listener&) = delete;
+
+   private:
+    EndRequests& requests_;
+  };
   /// `told` is called once with why, from another thread, or now if the request has come already.
-  void tell(std::function<void(const std::string& why)> told);
-  /// Before what tell() was given goes away.
-  void forget();
+  [[nodiscard]] Listener tell(std::function<void(const std::string& why)> told);
 
  private:
-  [[noreturn]] void watch();
-  void request(const std::string& why);
-
-  const int exit_code_;
-  const int launcher_;  ///< parent when the process began
-  sigset_t handled_{};
-  std::mutex mutex_;
-  std::optional<std::string> why_;
-  std::function<void(const std::string&)> told_;
+  struct Parts;
+  void forget();
+  Parts* const parts_;  ///< stay until the process ends, as the thread does that watches
 };
 
 /// For a process that needs no order to end: SIGINT, SIGTERM and SIGHUP end it at once; but when its parent has died,

@@ -2,18 +2,24 @@
 /// lost on the way, and the run waits for it.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/sample.hpp"
+#include "process/signals.hpp"
+#include "process/words.hpp"
 #include "record/file.hpp"
+#include "record/run_folder.hpp"
 #include "record/writer.hpp"
 
 namespace {
@@ -26,8 +32,7 @@ using record::RecordWriter;
 constexpr int kDone = 0, kFailed = 1, kRefused = 2, kLost = 4, kCancelled = 5;
 constexpr double kPoll = 0.2;  ///< s
 
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
+std::atomic<bool> interrupted = false;
 
 /// Lets through what the participant may say: a solver speaks for its own layer, everything else is the coordinator's.
 class Gate : public observe::Sink {
@@ -134,28 +139,44 @@ int main(int argc, char** argv) {
       "Keeps a run on disk: DIR/record.h5 and DIR/record.xdmf, valid after every frame.\n"
       "Example: interply-recorder --connect tcp://10.0.0.2:7100 --out results"};
   std::string address, out;
-  bool overwrite = false;
+  bool overwrite = false, folder_is_taken = false;
   double deadline = 60;
   app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
       ->required();
   app.add_option("--out", out, "folder of the record")->required();
   app.add_flag("--overwrite", overwrite, "replace an existing record");
+  app.add_flag("--folder-taken", folder_is_taken, "whoever started this process has the folder for it");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 
+  ::umask(0077);
   spdlog::set_default_logger(spdlog::stderr_color_mt("recorder"));
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // a write that fails says so
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupt);
+  process::EndRequests requests(kCancelled);
+  const auto listening = requests.tell([](const std::string&) { interrupted = true; });
   try {
+    std::optional<record::FolderLock> lock;
+    if (!folder_is_taken) lock.emplace(out, "recorder of " + process::to_line(address));
     RecordWriter writer(std::filesystem::path(out) / "record.h5", overwrite);
     const auto link = exchange::connect_recorder(address);
     const exchange::Welcome welcome = link->join(
         {.layer = "recorder", .pid = static_cast<int>(getpid()), .host = host_name(), .records = true}, deadline);
     spdlog::info("joined {} as the recorder of run {}", address, welcome.run);
-    return take_part(*link, writer);
-  } catch (const exchange::Refused& e) {
-    spdlog::error("refused: {}", e.what());
+    const int exit_code = take_part(*link, writer);
+    process::end_within(process::kGrace, exit_code);  // whatever closing the link waits for
+    return exit_code;
+  } catch (const record::FolderRefused& e) {
+    spdlog::error("{}", e.what());
     return kRefused;
+  } catch (const exchange::BadAddress& e) {
+    spdlog::error("--connect: {}", e.what());
+    return kRefused;
+  } catch (const exchange::Refused& e) {
+    spdlog::error("refused: {}", process::to_line(e.what()));
+    return kRefused;
+  } catch (const exchange::Stopped& e) {
+    spdlog::error("stopped by the coordinator: {}", process::to_line(e.what()));
+    return e.reason == StopReason::Cancelled ? kCancelled : kLost;
   } catch (const exchange::CoordinatorLost& e) {
     spdlog::error("{}", e.what());
     return kLost;

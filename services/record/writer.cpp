@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "record/file.hpp"
+#include "record/run_folder.hpp"
 #include "record/xdmf.hpp"
 
 namespace interply::record {
@@ -144,13 +145,21 @@ struct RecordWriter::Impl {
   std::filesystem::path beside(const std::string& name) const { return path.parent_path() / name; }
   std::filesystem::path sidecar_path() const { return std::filesystem::path(path).replace_extension(".xdmf"); }
 
+  /// Everything that is replaced.
+  std::vector<std::filesystem::path> list_files() const {
+    std::vector<std::filesystem::path> files{beside("summary.json")};
+    for (const auto& whole : {path, sidecar_path()})
+      for (const char* half : {"", ".partial"}) files.push_back(whole.string() + half);
+    return files;
+  }
+
   void begin(const RunHeader& h) {
     header = h;
     layout.header = h;
     attendance = Attendance(h);
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
-    for (const auto& old : {path, sidecar_path(), beside("summary.json")}) std::filesystem::remove(old);
-    if (!std::filesystem::exists(beside("scene.yaml"))) write_text_file(beside("scene.yaml"), h.scene_text);
+    make_room_for(list_files());
+    if (!std::filesystem::exists(beside("scene.yaml"))) write_scene(beside("scene.yaml"), h.scene_text);
   }
 
   /// Fixes the layout of the participant that sends its first frame.
@@ -262,10 +271,7 @@ struct RecordWriter::Impl {
 
 RecordWriter::RecordWriter(const std::filesystem::path& file, bool overwrite) : impl_(std::make_unique<Impl>()) {
   impl_->path = file;
-  if (std::filesystem::exists(file) && !overwrite) {
-    throw std::runtime_error(fmt::format(
-        "{} exists already: choose another folder or allow it to be overwritten (--overwrite)", file.string()));
-  }
+  check_room_for(impl_->list_files(), overwrite);
 }
 
 RecordWriter::~RecordWriter() {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 namespace interply::process {
@@ -62,7 +63,7 @@ TEST(EndRequests, WhoWantsToKnowIsToldWhyEvenAfterwards) {
     EndRequests requests(5);
     ready();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    requests.tell([](const std::string& why) { _exit(why == "interrupted by SIGHUP" ? 7 : 8); });
+    const auto listening = requests.tell([](const std::string& why) { _exit(why == "interrupted by SIGHUP" ? 7 : 8); });
   });
   EXPECT_EQ(WEXITSTATUS(ended.status), 7);
 }
@@ -81,7 +82,7 @@ TEST(EndRequests, AHangUpThatWasIgnoredStaysIgnored) {
   const Ended ended = end_by({SIGHUP}, [](auto ready) {
     std::signal(SIGHUP, SIG_IGN);
     EndRequests requests(5);
-    requests.tell([](const std::string&) { _exit(9); });
+    const auto listening = requests.tell([](const std::string&) { _exit(9); });
     ready();
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
   });
