@@ -28,9 +28,9 @@ void check_network(const DdsOptions& options);
 
 /// Publishes to everyone who watches `options.run`.
 ///
-/// put() copies the sample, hands it to the network and returns; it neither waits for a reader nor throws. A reader that
-/// is slow or hangs finds the newest 8 frames of each layer, interface and tool and the newest 1000 history rows. Safe
-/// to call from several threads.
+/// put() copies the sample, hands it to the network and returns; it neither waits for a reader nor throws. A reader
+/// that is slow or hangs finds the newest 8 frames of each layer, interface and tool and the newest 1000 history rows.
+/// Safe to call from several threads.
 class DdsSink : public Sink {
  public:
   /// @throws std::runtime_error with a sentence if options are unusable or no participant can be created

@@ -13,6 +13,7 @@
 #include "observe/dds_bind.hpp"
 #include "observe/network.hpp"
 #include "observe/quiet_log.hpp"
+#include "process/words.hpp"
 
 namespace interply::observe {
 namespace {
@@ -26,7 +27,7 @@ void check_values(const DdsOptions& options) {
   }
   for (const std::string& peer : options.peers) {
     if (in_addr address{}; inet_pton(AF_INET, peer.c_str(), &address) != 1) {
-      throw std::runtime_error(fmt::format("peer '{}' is no IPv4 address", to_line(peer)));
+      throw std::runtime_error(fmt::format("peer '{}' is no IPv4 address", process::to_line(peer)));
     }
   }
   if (options.run.empty() || options.run.find_first_of("*?[]") != std::string::npos) {

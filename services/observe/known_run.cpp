@@ -24,6 +24,11 @@ std::size_t index_of(const std::vector<std::string>& names, const std::string& n
   return static_cast<std::size_t>(found - names.begin());
 }
 
+/// Whether the triangles are between `nodes` nodes.
+bool are_of(const mechanics::Triangles& triangles, Eigen::Index nodes) {
+  return triangles.size() == 0 || (triangles.minCoeff() >= 0 && triangles.maxCoeff() < nodes);
+}
+
 void require_distinct(std::vector<std::string> names, const char* what) {
   std::sort(names.begin(), names.end());
   require(names.size() <= kMostNames && std::adjacent_find(names.begin(), names.end()) == names.end(),
@@ -73,6 +78,10 @@ void KnownRun::admit(const RunHeader& a, const std::string& run, const Sender& s
           a.interfaces.size(), a.interface_nodes_of.size());
   require(a.nodes.size() == a.elements.size() && (a.nodes.empty() || a.nodes.size() == a.layers.size()),
           "a header with {} layers and sizes of {} and {} meshes", a.layers.size(), a.nodes.size(), a.elements.size());
+  for (const ToolSurface& surface : a.tool_surfaces) {
+    require(are_of(surface.triangles, surface.nodes.cols()),
+            "a header with a tool of triangles of nodes that it has not");
+  }
   for (const std::string& layer : a.interface_nodes_of) index_of(a.layers, layer, "layer");
   require(a.interface_others.size() == a.interfaces.size() && a.tool_surfaces.size() == a.tools.size(),
           "a header with {} interfaces of {} others and {} tools of {} surfaces", a.interfaces.size(),
@@ -101,8 +110,7 @@ void KnownRun::admit(const LayerMesh& a, const std::string& run, const Sender& s
   require(known == meshes_.end() || (known->second.sender == sender && known->second.nodes == mesh.nodes &&
                                      known->second.elements == mesh.elements),
           "a second mesh of layer '{}'", a.layer);
-  require(a.triangles.size() == 0 || (a.triangles.minCoeff() >= 0 && a.triangles.maxCoeff() < mesh.nodes),
-          "the mesh of layer '{}' has triangles of nodes that it has not", a.layer);
+  require(are_of(a.triangles, mesh.nodes), "the mesh of layer '{}' has triangles of nodes that it has not", a.layer);
   meshes_.insert_or_assign(a.layer, mesh);
 }
 

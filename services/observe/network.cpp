@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "observe/quiet_log.hpp"
+#include "process/words.hpp"
 
 namespace interply::observe {
 namespace {
@@ -41,7 +41,7 @@ Interface find_interface(const std::string& network) {
   throw std::runtime_error(
       fmt::format("observe.network: '{}' is no network interface of this host; give the name, IPv4 address or network "
                   "of one of {}",
-                  to_line(network), known.empty() ? "none: all are down" : known));
+                  process::to_line(network), known.empty() ? "none: all are down" : known));
 }
 
 }  // namespace interply::observe

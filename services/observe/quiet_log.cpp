@@ -2,16 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "process/words.hpp"
 
 namespace interply::observe {
-
-std::string to_line(std::string_view text) {
-  while (!text.empty() && text.back() == '\n') text.remove_suffix(1);
-  std::string line(text.substr(0, 300));
-  std::replace_if(line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return line;
-}
 
 void QuietLog::warn(std::string_view text) {
   std::uint64_t unsaid = 0;
@@ -25,10 +21,12 @@ void QuietLog::warn(std::string_view text) {
     next_ = now + std::chrono::seconds(1);
     std::swap(unsaid, unsaid_);
   }
+  while (text.ends_with('\n')) text.remove_suffix(1);
+  const std::string line = process::to_line(text, 300);
   if (unsaid == 0) {
-    spdlog::warn("{}", to_line(text));
+    spdlog::warn("{}", line);
   } else {
-    spdlog::warn("{} (and {} such lines before it)", to_line(text), unsaid);
+    spdlog::warn("{} (and {} such lines before it)", line, unsaid);
   }
 }
 

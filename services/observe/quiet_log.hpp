@@ -4,17 +4,13 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
-#include <string>
 #include <string_view>
 
 namespace interply::observe {
 
-/// The text as one line of at most 300 printable ASCII characters; others become '?'.
-std::string to_line(std::string_view text);
-
 class QuietLog {
  public:
-  /// Logs `text`, or only counts it if the last line is less than a second old.
+  /// Logs `text`, printable and not too long, or only counts it if the last line is less than a second old.
   void warn(std::string_view text);
 
  private:

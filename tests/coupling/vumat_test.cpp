@@ -55,6 +55,7 @@ TEST_F(OwnLaw, FederatedRunHasTheBitsOfTheRunInOneProcess) {
 TEST_F(OwnLaw, FormsWhatTheBuiltInLawForms) {
   const auto run = [](const std::vector<std::string>& more) {
     std::vector<std::string> overrides = kMoving;
+    overrides.push_back("blank.diagonals=around");  // with the others the hit of the punch lets round-off grow to 1e-4
     overrides.insert(overrides.end(), more.begin(), more.end());
     return test::run_in_process(test::read_test_scene("flat_stack.yaml", overrides));
   };

@@ -179,10 +179,10 @@ TEST_F(FederationOfScripts, ASecondInterruptKills) {
 
 TEST_F(FederationOfScripts, AChildHasNoDescriptorOfOursButTheOneThatItIsGiven) {
   const int foreign = open("/dev/null", O_RDONLY), given = open("/dev/null", O_RDONLY);  // not closed on exec
-  Participant recorder = shell("recorder", "ls /proc/$$/fd > " + (folder_ / "recorder_fd").string() + "; :");
+  Participant recorder = shell("recorder", "exec > " + (folder_ / "recorder_fd").string() + "; ls /proc/$$/fd; :");
   recorder.inherited = given;
   const auto result =
-      supervise("echo bound x; sleep 0.2", {shell("ply_1", "ls /proc/$$/fd > " + (folder_ / "ply_1_fd").string() + "; :"), recorder});
+      supervise("echo bound x; sleep 0.2", {shell("ply_1", "exec > " + (folder_ / "ply_1_fd").string() + "; ls /proc/$$/fd; :"), recorder});
   close(foreign);
   close(given);
   EXPECT_EQ(result.exit_code, kDone) << result.message;

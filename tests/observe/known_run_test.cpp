@@ -132,6 +132,9 @@ TEST(KnownRun, AHeaderOfATerabyteOrAMeshThatIsNoMeshIsNotAdmitted) {
   header = run.header();
   header.nodes = header.elements = {25};
   EXPECT_NE(refusal(known, header, kStranger), "");
+  header = run.header();
+  header.tool_surfaces.at(0).triangles(0, 0) = 1000;
+  EXPECT_NE(refusal(known, header, kStranger), "");
   EXPECT_FALSE(known.has_header());
   header = run.header();
   header.nodes = {25, 36};

@@ -32,7 +32,7 @@ TEST(Network, WhatNoInterfaceHasIsRefusedNamingThoseThereAre) {
     EXPECT_THAT(refusal(network), HasSubstr("observe.network: '" + std::string(network) + "' is no network interface"));
     EXPECT_THAT(refusal(network), HasSubstr("lo (127.0.0.1)"));
   }
-  EXPECT_THAT(refusal("a\nb\033[2J"), HasSubstr("'a?b?[2J'"));
+  EXPECT_THAT(refusal("a\nb\033[2J"), HasSubstr("'a\\x0ab\\x1b[2J'"));
 }
 
 }  // namespace

@@ -427,7 +427,8 @@ TEST(Recorder, ReplacesNothingThatNoRunWroteAndNothingBeforeThereIsARun) {
 
 TEST(Recorder, TheSecondOneIsRefused) {
   RecordedRun run;
-  Recorder second(run.folder(), run.address());
+  const TemporaryFolder other;  // the first one has its own folder for itself
+  Recorder second(other, run.address());
   std::thread pumping([&] {
     for (int i = 0; i < 20; ++i) run.pump(0.1);
   });

@@ -13,6 +13,7 @@ namespace {
 using namespace fabric_cases;
 using fabric::FabricLayer;
 using mechanics::NodalVectors;
+using mechanics::Vector3;
 using testing::AllOf;
 using testing::HasSubstr;
 
