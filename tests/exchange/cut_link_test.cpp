@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSilence = 1;  ///< s that the coordinator of these tests allows
+constexpr double kSilence = 1;  ///< s that both ends of these tests allow
 
 /// A cable between a solver and a coordinator on loopback that can be cut: both ends stay connected, nothing passes.
 class Cable {
@@ -73,7 +73,7 @@ TEST(CutLink, IsNoticedAtBothEndsAtTheDeadlineAndNotBefore) {
   auto coordinator = bind_zeromq("tcp://127.0.0.1:0", kWelcome, {{"ply_0", 30}}, ArraysBy::Messages, false, kSilence);
   const std::string bound = get_endpoint(*coordinator);
   Cable cable(std::stoi(bound.substr(bound.rfind(':') + 1)));
-  const auto solver = connect_zeromq("tcp://127.0.0.1:" + std::to_string(cable.port()));
+  const auto solver = connect_zeromq("tcp://127.0.0.1:" + std::to_string(cable.port()), kSilence);
   std::chrono::duration<double> noticed{};
   std::string said;
   std::jthread computing([&] {
@@ -119,7 +119,7 @@ TEST(CutLink, AStoppedCoordinatorIsLostAtTheDeadline) {
   }
   char endpoint[200] = {};
   ASSERT_GT(::read(pipe[0], endpoint, sizeof(endpoint) - 1), 0);
-  const auto solver = connect_zeromq(endpoint);
+  const auto solver = connect_zeromq(endpoint, kSilence);
   solver->join(make_join("ply_0"), kPatience);
   solver->send(make_motion(0, 30, 0));
   ::kill(child, SIGSTOP);

@@ -163,7 +163,7 @@ TEST(ResolvedScene, ReadsBackToTheSameTextAndDigest) {
   scenes.push_back(parse_scene(
       kSmallScene, "scene.yaml",
       {"layers.sheet.thickness=0.1000000000000000055511151231257827", "layers.ply_1.thickness=1.2000000000000002",
-       "layers.ply_1.law.woven.strain_cap=[0.03, none]", "name=\"odd: 'name' # with\\nno\\u00e9 sense\"",
+       "layers.ply_1.law.woven.strain_cap=[0.03, none]", "name=\"odd: 'name' # with no\\u00e9 sense\"",
        "exchange.address=tcp://localhost:5555", "layers.sheet.law.j2.hardening={table: [[0, 166.25], [0.1, 280]]}",
        "tools.punch=none", "friction.pairs=[{between: [sheet, ply_1], coefficient: 0.3}]"}));
   scenes.push_back(parse_scene(
