@@ -11,4 +11,7 @@ inline double smooth_step(double s) {
   return s * s * s * (10 + s * (-15 + 6 * s));
 }
 
+/// Largest slope of smooth_step, at s = 1/2.
+inline constexpr double kSteepest = 15.0 / 8;
+
 }  // namespace interply::coordinator

@@ -56,9 +56,12 @@ class Run {
     forming_.put_history_row(end);
     mechanics::Digest digest;
     for (const exchange::Final& f : finals_) digest.add(&f.digest, sizeof f.digest);
+    summary::Summary summary = summarise(scene_, forming_, end, finals_, seconds.count());
+    summary.set_digest(mechanics::to_hex(digest.value()));
     return {.exit_code = 0,
-            .digest = mechanics::to_hex(digest.value()),
-            .summary = format_summary(scene_, forming_, end, finals_, seconds.count()),
+            .digest = summary.digest(),
+            .summary = format_text(summary),
+            .summary_json = format_json(summary),
             .measures = measure(end)};
   }
 
@@ -94,7 +97,7 @@ class Run {
 
  private:
   void put_header(const std::string& run_name) {
-    observe::RunHeader header = make_header(scene_, run_name);
+    observe::RunHeader header = make_header(scene_, run_name, forming_.stack());
     for (int i = 0; i < forming_.stack().n_layers(); ++i) {
       header.nodes.push_back(forming_.stack().layer(i).mesh.n_nodes());
       header.elements.push_back(forming_.stack().layer(i).mesh.n_elements());
@@ -158,7 +161,7 @@ class Run {
   Measures measure(const EnergyBalance& end) const {
     return {.steps = forming_.pace().step(),
             .largest_residual = forming_.largest_residual(),
-            .final_residual = end.residual() / end.scale(),
+            .final_residual = forming_.final_residual(end),
             .penetration_99 = forming_.penetration_99(),
             .penetration_peak = forming_.penetration_peak(),
             .holder_deviation = forming_.holder_deviation(),
@@ -259,10 +262,23 @@ class Run {
 
   void take(int who) {
     is_here_[static_cast<std::size_t>(who)] = true;
+    if (const std::string fault = forming_.find_fault(who); !fault.empty()) throw blame(fault);
     if (forming_.take_motion(who)) return;
     while (next_event().kind != Event::Kind::None) {
     }  // the one that cannot be answered may have said why: its failure overtakes its answer
     throw lost(forming_.lost(), "its connection is closed");
+  }
+
+  /// What a layer sent cannot be. Its own failure, which knows the element, may be on its way and goes first; if it only
+  /// leaves, the fault says more.
+  Ended blame(const std::string& fault) {
+    const auto start = Waiting::Clock::now();
+    try {
+      while (Waiting::Clock::now() - start < std::chrono::seconds(1)) next_event();
+    } catch (const Ended& ended) {
+      if (ended.reason != StopReason::Lost) throw;
+    }
+    return {StopReason::Diverged, fault};
   }
 
   void check_patience(const std::string& whom) {

@@ -39,7 +39,7 @@ struct Outcome {
   std::string message;  ///< one sentence if not done
   std::string digest;   ///< 16 hex digits of the final state of all layers, also if only the record was lost then
   std::string summary;  ///< one screen of text, without the digest line; as above
-  std::string summary_json;  ///< the same numbers, JSON
+  std::string summary_json;  ///< the same numbers with their units (proto/summary.proto); as above
   Measures measures;    ///< of a run that is done
 };
 
@@ -53,10 +53,10 @@ Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::Co
 /// One line for a terminal: stroke, step, dt, time left, energy residual, who is waited for.
 std::string format_progress(const Progress& progress);
 
-/// Names of the interfaces in order, "lower|upper", tools included, and the layer whose nodes carry each one's
-/// tractions.
+/// Names of the interfaces in order, "lower|upper", tools included, the layer whose nodes carry each one's tractions,
+/// and who is on the other side.
 struct InterfaceName {
-  std::string name, nodes_of;
+  std::string name, nodes_of, other;
 };
 std::vector<InterfaceName> name_interfaces(const scene::Scene& scene);
 

@@ -3,38 +3,12 @@
 #include <cmath>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/interface_fields.hpp"
 #include "mechanics/digest.hpp"
 
 namespace interply::coordinator {
 
-using observe::Field;
-
-namespace {
-
-std::vector<double> copy(const mechanics::Scalars& a) { return {a.data(), a.data() + a.size()}; }
-
-std::vector<Field> describe_points(const contact::Points& p, double upper_sign) {
-  // Tractions act on the upper partner; points hold what acts on their own node. The damped pressure is the true one.
-  const mechanics::NodalVectors traction = -upper_sign * p.traction();
-  std::vector<double> gap = copy(p.gap), state(static_cast<std::size_t>(p.size()));
-  for (Eigen::Index i = 0; i < p.size(); ++i) state[static_cast<std::size_t>(i)] = p.state(i);
-  std::vector<Field> fields;
-  fields.push_back({"pressure", "MPa", "normal pressure, >= 0", true, copy(p.pressure * p.weight), 1});
-  fields.push_back({"tangential_traction",
-                    "MPa",
-                    "tangential traction on the upper partner",
-                    true,
-                    {traction.data(), traction.data() + traction.size()},
-                    3});
-  fields.push_back({"gap", "mm", "gap along the averaged vertex normal, > 0 open", true, std::move(gap), 1});
-  fields.push_back({"slip", "mm", "accumulated sliding distance", true, copy(p.slip), 1});
-  fields.push_back({"state", "1", "0 open, 1 stick, 2 slide, 3 past the edge of the partner (nothing acts)", true, std::move(state), 1});
-  return fields;
-}
-
-}  // namespace
-
-observe::RunHeader make_header(const scene::Scene& scene, const std::string& run_name) {
+observe::RunHeader make_header(const scene::Scene& scene, const std::string& run_name, const Stack& stack) {
   observe::RunHeader header{.run = run_name,
                             .scene_text = scene.text,
                             .version = exchange::kVersion,
@@ -43,9 +17,11 @@ observe::RunHeader make_header(const scene::Scene& scene, const std::string& run
   for (const InterfaceName& interface : name_interfaces(scene)) {
     header.interfaces.push_back(interface.name);
     header.interface_nodes_of.push_back(interface.nodes_of);
+    header.interface_others.push_back(interface.other);
   }
   header.tools = {"die", "blank_holder"};
   if (scene.tools.punch) header.tools.push_back("punch");
+  header.tool_surfaces = stack.tool_surfaces();
   header.frames = scene.record.frames;
   header.history_capacity = scene.record.history_every > 0 ? 200000 : scene.record.history + 2;
   return header;
@@ -55,13 +31,13 @@ void put_frames(const scene::Scene& scene, const Stack& stack, const Pace& pace,
   const auto names = name_interfaces(scene);
   for (int k = 0; k < stack.n_interfaces(); ++k) {
     const auto& name = names[static_cast<std::size_t>(k)];
-    const double upper_sign = k == 0 ? -1 : 1;  // the die is the lower partner of its interface
     sink.put(observe::InterfaceFrame{.interface = name.name,
                                      .nodes_of = name.nodes_of,
                                      .frame = pace.frame(),
                                      .step = pace.step(),
                                      .time = pace.time(),
-                                     .fields = describe_points(stack.points(k), upper_sign)});
+                                     .fields = describe_interface(scene, stack, k),
+                                     .fields_on_other = describe_other_side(stack, k)});
   }
   for (const contact::Tool* tool : {&stack.die(), &stack.blank_holder(), stack.punch()}) {
     if (!tool) continue;
@@ -70,7 +46,8 @@ void put_frames(const scene::Scene& scene, const Stack& stack, const Pace& pace,
                                 .step = pace.step(),
                                 .time = pace.time(),
                                 .position = tool->z,
-                                .force = {tool->force.x(), tool->force.y(), tool->force.z()}});
+                                .force = {tool->force.x(), tool->force.y(), tool->force.z()},
+                                .moment = {tool->moment.x(), tool->moment.y(), tool->moment.z()}});
   }
 }
 
@@ -88,10 +65,8 @@ Share explain_residual(const scene::Scene& scene, const EnergyBalance& balance) 
   const auto names = name_interfaces(scene);
   for (std::size_t k = 0; k < balance.interface_residual.size(); ++k)
     consider("interface " + names[k].name, balance.interface_residual[k],
-             names[k].name.ends_with("|punch")  // nodes that a fast punch hits gain or lose a part of a step
-                 ? "a longer motion.forming_time, then a smaller time.safety or a larger contact.damping"
-                 : "a smaller time.safety or time.vote_every, then a larger contact.damping or a smaller "
-                   "contact.reference_pressure");
+             "a smaller time.safety or time.vote_every, then a larger contact.damping or a smaller "
+             "contact.reference_pressure");
   return worst;
 }
 

@@ -10,7 +10,7 @@
 
 namespace interply::coordinator {
 
-observe::RunHeader make_header(const scene::Scene& scene, const std::string& run_name);
+observe::RunHeader make_header(const scene::Scene& scene, const std::string& run_name, const Stack& stack);
 
 /// One InterfaceFrame per interface and one ToolFrame per tool of the current step.
 void put_frames(const scene::Scene& scene, const Stack& stack, const Pace& pace, observe::Sink& sink);

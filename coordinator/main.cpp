@@ -21,6 +21,7 @@
 #include "solve/layer_mechanics.hpp"
 #include "solve/link_sink.hpp"
 #include "solve/session.hpp"
+#include "solve/watch.hpp"
 
 namespace {
 
@@ -87,6 +88,7 @@ int main(int argc, char** argv) {
                                           "somebody has changed it meanwhile; start the run again",
                                           scene_file, mechanics::to_hex(scene.digest), digest));
     coordinator::check_tools(scene);
+    solve::check_network(scene);
     const bool keeps_record = scene.record.frames > 0 && !no_record;
     const std::string run = make_identity(run_name);
     const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run}, list_expected(scene),
@@ -95,10 +97,7 @@ int main(int argc, char** argv) {
     std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
     std::cout << "run " << process::to_line(run) << std::endl;
     observe::TeeSink sink(std::make_unique<solve::LinkSink<exchange::CoordinatorLink>>(*link),
-                          observe::make_watch_sink(scene.record.frames > 0, {.network = scene.observe.network,
-                                                                             .multicast = scene.observe.multicast,
-                                                                             .domain = scene.observe.domain,
-                                                                             .run = run}));
+                          observe::make_watch_sink(scene.record.frames > 0, solve::make_dds_options(scene, run)));
     const coordinator::Outcome outcome = coordinator::run(
         scene, run, *link, sink,
         [](const coordinator::Progress& p) {
@@ -108,6 +107,8 @@ int main(int argc, char** argv) {
     std::istringstream summary(outcome.summary);
     for (std::string line; std::getline(summary, line);)
       std::cout << "@summary " << process::to_line(line) << std::endl;
+    std::istringstream json(outcome.summary_json);  // has its own escapes
+    for (std::string line; std::getline(json, line);) std::cout << "@json " << line << '\n';
     if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
     std::cout.flush();
     if (!outcome.message.empty()) std::cerr << to_plain_line(outcome.message) << std::endl;

@@ -1,13 +1,17 @@
 #include "coordinator/report.hpp"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/verdict.hpp"
 
 namespace interply::coordinator {
 
@@ -62,6 +66,38 @@ DrawIn measure_draw_in(const LayerSlot& slot) {
 
 constexpr double kNegligible = 1e-3;  ///< mJ; a smaller internal energy gives no ratio
 
+void set(summary::Quantity* to, double value, const std::string& unit) {
+  to->set_value(value);
+  to->set_unit(unit);
+}
+
+void set(summary::DrawIn* to, const DrawIn& d) {
+  set(to->mutable_minus_x(), d.minus_x, "mm");
+  set(to->mutable_plus_x(), d.plus_x, "mm");
+  set(to->mutable_plus_y(), d.plus_y, "mm");
+  set(to->mutable_largest(), d.largest, "mm");
+}
+
+void set(summary::OutsideTrust* to, const exchange::OutsideTrust& passed, double first_stroke) {
+  to->set_quantity(passed.quantity);
+  to->set_meaning(passed.meaning);
+  set(to->mutable_limit(), passed.limit, passed.unit);
+  set(to->mutable_worst(), passed.worst, passed.unit);
+  set(to->mutable_area_share(), 100 * passed.share, "%");
+  set(to->mutable_x(), passed.x, "mm");
+  set(to->mutable_y(), passed.y, "mm");
+  set(to->mutable_first_time(), 1e3 * passed.first_time, "ms");
+  set(to->mutable_first_stroke(), first_stroke, "mm");
+}
+
+std::string describe_outside(const std::string& layer, const summary::OutsideTrust& o) {
+  return fmt::format(
+      "{}: {} beyond {:g} {} in {:.2g} % of its area, from {:.1f} mm stroke on, up to {:.3g} {} at ({:.1f}, {:.1f}) mm "
+      "of the flat blank: {}",
+      layer, o.quantity(), o.limit().value(), o.limit().unit(), o.area_share().value(), o.first_stroke().value(),
+      o.worst().value(), o.worst().unit(), o.x().value(), o.y().value(), o.meaning());
+}
+
 std::string format_time(double seconds) {
   const long s = std::lround(seconds);
   return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
@@ -79,59 +115,126 @@ std::string format_progress(const Progress& p) {
   return line;
 }
 
-std::string format_summary(const scene::Scene& scene, const Forming& forming, const EnergyBalance& end,
+summary::Summary summarise(const scene::Scene& scene, const Forming& forming, const EnergyBalance& end,
                            const std::vector<exchange::Final>& finals, double seconds) {
-  std::string text;
-  auto out = std::back_inserter(text);
+  summary::Summary s;
   const Pace& pace = forming.pace();
   std::int64_t elements = 0;
   for (int i = 0; i < forming.stack().n_layers(); ++i) elements += forming.stack().layer(i).mesh.n_elements();
-  fmt::format_to(out, "{}: {:.1f} mm stroke, {:.2f} ms, {} steps, {} ({:.2f} M element-steps/s)\n", scene.name,
-                 forming.stroke(), 1e3 * pace.time(), pace.step(), format_time(seconds),
-                 1e-6 * static_cast<double>(elements * pace.step()) / seconds);
+  s.set_interply(exchange::kVersion);
+  s.set_scene(scene.name);
+  s.set_modelled_part(scene.blank.half ? "half model" : "full model");
+  set(s.mutable_stroke(), forming.stroke(), "mm");
+  set(s.mutable_time(), 1e3 * pace.time(), "ms");
+  set(s.mutable_steps(), static_cast<double>(pace.step()), "-");
+  set(s.mutable_wall_time(), seconds, "s");
+  set(s.mutable_element_steps_per_second(), static_cast<double>(elements * pace.step()) / seconds, "1/s");
   for (std::size_t i = 0; i < finals.size(); ++i) {
-    const scene::Layer& layer = scene.layers[i];
-    fmt::format_to(out, "  {:<12} {:<6}", layer.name, layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
-    for (const exchange::SummaryItem& item : finals[i].summary)
-      fmt::format_to(out, "  {} {:.3g}{}", item.name, item.value, item.unit == "1" ? "" : " " + item.unit);
+    summary::Layer& layer = *s.add_layers();
+    layer.set_name(scene.layers[i].name);
+    layer.set_kind(scene.layers[i].kind() == scene::Kind::Fabric ? "fabric" : "metal");
+    for (const exchange::SummaryItem& item : finals[i].summary) {
+      summary::Item& entry = *layer.add_items();
+      entry.set_name(item.name);
+      set(entry.mutable_quantity(), item.value, item.unit);
+    }
+    set(layer.mutable_draw_in(), measure_draw_in(forming.stack().layer(static_cast<int>(i))));
+    set(layer.mutable_kinetic_to_internal(),
+        100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], kNegligible), "%");
+    for (const exchange::OutsideTrust& passed : finals[i].outside_trust)
+      set(layer.add_outside_trust(), passed, forming.compute_stroke(passed.first_time));
+  }
+  if (forming.stack().punch()) set(s.mutable_punch_force(), 1e-3 * forming.punch_force(), "kN");
+  const double target = forming.holder().target();
+  summary::BlankHolder& holder = *s.mutable_blank_holder();
+  set(holder.mutable_force(), 1e-3 * forming.holder_force(), "kN");
+  set(holder.mutable_target(), 1e-3 * target, "kN");
+  if (target > 0) {
+    set(holder.mutable_mean_deviation(), 100 * (forming.holder_mean() / target - 1), "%");
+    set(holder.mutable_largest_deviation(), 100 * forming.holder_deviation(), "%");
+  }
+  summary::Energy& energy = *s.mutable_energy();
+  set(energy.mutable_external(), end.external, "mJ");
+  set(energy.mutable_thinning(), end.thinning, "mJ");
+  set(energy.mutable_internal(), end.internal, "mJ");
+  set(energy.mutable_kinetic(), end.kinetic, "mJ");
+  set(energy.mutable_contact(), end.contact, "mJ");
+  set(energy.mutable_friction(), end.friction, "mJ");
+  set(energy.mutable_damping(), end.damping, "mJ");
+  set(energy.mutable_residual(), 100 * forming.final_residual(end), "%");
+  set(energy.mutable_largest_residual(), 100 * forming.largest_residual(), "%");
+  if (scene.record.frames > 0) {
+    set(s.mutable_penetration()->mutable_percentile_99(), 100 * forming.penetration_99(), "%");
+    set(s.mutable_penetration()->mutable_peak(), 100 * forming.penetration_peak(), "%");
+  }
+  for (const std::string& sentence : list_untouched(scene, forming.touched(), pace.step())) s.add_warnings(sentence);
+  if (forming.penetration_peak() > 1)
+    s.add_warnings(
+        "a layer or tool has gone through another; raise contact.reference_pressure or lengthen motion.forming_time");
+  for (const summary::Layer& layer : s.layers())
+    for (const summary::OutsideTrust& passed : layer.outside_trust())
+      s.add_warnings(describe_outside(layer.name(), passed));
+  return s;
+}
+
+std::string format_text(const summary::Summary& s) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}: {:.1f} mm stroke, {:.2f} ms, {:.0f} steps, {} ({:.2f} M element-steps/s)\n", s.scene(),
+                 s.stroke().value(), s.time().value(), s.steps().value(), format_time(s.wall_time().value()),
+                 1e-6 * s.element_steps_per_second().value());
+  for (const summary::Layer& layer : s.layers()) {
+    fmt::format_to(out, "  {:<12} {:<6}", layer.name(), layer.kind());
+    for (const summary::Item& item : layer.items())
+      fmt::format_to(out, "  {} {:.3g}{}", item.name(), item.quantity().value(),
+                     item.quantity().unit() == "-" ? "" : " " + item.quantity().unit());
     text += '\n';
   }
   fmt::format_to(out, "  draw-in at -x, +x, +y, largest of the rim (mm):");
-  for (std::size_t i = 0; i < finals.size(); ++i) {
-    const DrawIn d = measure_draw_in(forming.stack().layer(static_cast<int>(i)));
-    fmt::format_to(out, "{} {} {:.1f} {:.1f} {:.1f} {:.1f}", i == 0 ? "" : ",", scene.layers[i].name, d.minus_x,
-                   d.plus_x, d.plus_y, d.largest);
+  const char* comma = "";
+  for (const summary::Layer& layer : s.layers()) {
+    const summary::DrawIn& d = layer.draw_in();
+    fmt::format_to(out, "{} {} {:.1f} {:.1f} {:.1f} {:.1f}", std::exchange(comma, ","), layer.name(),
+                   d.minus_x().value(), d.plus_x().value(), d.plus_y().value(), d.largest().value());
   }
   text += '\n';
-  const char* part = scene.blank.half ? "half model" : "full model";
-  if (forming.stack().punch())
-    fmt::format_to(out, "  punch force {:.3f} kN ({})\n", 1e-3 * forming.punch_force(), part);
-  const double target = forming.holder().target();
-  fmt::format_to(out, "  blank-holder force {:.3f} kN ({}), target {:.3f} kN", 1e-3 * forming.holder_force(), part,
-                 1e-3 * target);
-  if (target > 0)
-    fmt::format_to(out, "; after the ramp mean {:+.2f} %, largest deviation {:.2f} %",
-                   100 * (forming.holder_mean() / target - 1), 100 * forming.holder_deviation());
+  if (s.has_punch_force())
+    fmt::format_to(out, "  punch force {:.3f} kN ({})\n", s.punch_force().value(), s.modelled_part());
+  const summary::BlankHolder& holder = s.blank_holder();
+  fmt::format_to(out, "  blank-holder force {:.3f} kN ({}), target {:.3f} kN", holder.force().value(),
+                 s.modelled_part(), holder.target().value());
+  if (holder.has_mean_deviation())
+    fmt::format_to(out, "; after the ramp mean {:+.2f} %, largest deviation {:.2f} %", holder.mean_deviation().value(),
+                   holder.largest_deviation().value());
   text += '\n';
+  const summary::Energy& e = s.energy();
   fmt::format_to(out,
                  "  energy (mJ): external {:.5g} + thinning {:.3g} = internal {:.5g} + kinetic {:.3g} + contact {:.3g} "
                  "+ friction {:.5g} + damping {:.3g}\n  energy residual {:.3g} %, largest of all steps {:.3g} %\n",
-                 end.external, end.thinning, end.internal, end.kinetic, end.contact, end.friction, end.damping,
-                 100 * end.residual() / end.scale(), 100 * forming.largest_residual());
-  std::string ratios;
-  for (std::size_t i = 0; i < end.layer_kinetic.size(); ++i)
-    ratios += fmt::format(" {} {:.2g} %", scene.layers[i].name,
-                          100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], kNegligible));
-  fmt::format_to(out, "  kinetic/internal energy:{}\n", ratios);
-  if (scene.record.frames > 0)
+                 e.external().value(), e.thinning().value(), e.internal().value(), e.kinetic().value(),
+                 e.contact().value(), e.friction().value(), e.damping().value(), e.residual().value(),
+                 e.largest_residual().value());
+  text += "  kinetic/internal energy:";
+  for (const summary::Layer& layer : s.layers())
+    fmt::format_to(out, " {} {:.2g} %", layer.name(), layer.kinetic_to_internal().value());
+  text += '\n';
+  if (s.has_penetration())
     fmt::format_to(out,
                    "  penetration, worst frame: 99 % of the contact area below {:.2f} %, peak {:.2f} % of the "
                    "thinner layer\n",
-                   100 * forming.penetration_99(), 100 * forming.penetration_peak());
-  if (forming.penetration_peak() > 1)
-    text +=
-        "  warning: a layer or tool has gone through another; raise contact.reference_pressure or lengthen "
-        "motion.forming_time\n";
+                   s.penetration().percentile_99().value(), s.penetration().peak().value());
+  for (const std::string& warning : s.warnings()) fmt::format_to(out, "  warning: {}\n", warning);
+  return text;
+}
+
+std::string format_json(const summary::Summary& s) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.always_print_primitive_fields = true;
+  options.preserve_proto_field_names = true;
+  std::string text;
+  if (!google::protobuf::util::MessageToJsonString(s, &text, options).ok())
+    throw std::runtime_error("the summary cannot be written as JSON");
   return text;
 }
 

@@ -1,15 +1,13 @@
 #include "coordinator/stack.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/fastest_mode.hpp"
+#include "coordinator/tool_surfaces.hpp"
 #include "coordinator/tools.hpp"
-#include "mechanics/failure.hpp"
 #include "solve/layer_mechanics.hpp"
 
 namespace interply::coordinator {
@@ -41,11 +39,12 @@ double find_friction(const scene::Scene& scene, const std::string& first, const 
 std::vector<InterfaceName> name_interfaces(const scene::Scene& scene) {
   std::vector<InterfaceName> names;
   const auto& layers = scene.layers;
-  names.push_back({"die|" + layers.front().name, layers.front().name});
+  const std::string &first = layers.front().name, &last = layers.back().name;
+  names.push_back({"die|" + first, first, "die"});
   for (std::size_t i = 0; i + 1 < layers.size(); ++i)
-    names.push_back({layers[i].name + "|" + layers[i + 1].name, layers[i].name});
-  names.push_back({layers.back().name + "|blank_holder", layers.back().name});
-  if (scene.tools.punch) names.push_back({layers.back().name + "|punch", layers.back().name});
+    names.push_back({layers[i].name + "|" + layers[i + 1].name, layers[i].name, layers[i + 1].name});
+  names.push_back({last + "|blank_holder", last, "blank_holder"});
+  if (scene.tools.punch) names.push_back({last + "|punch", last, "punch"});
   return names;
 }
 
@@ -66,6 +65,7 @@ Stack::Stack(const scene::Scene& scene)
 
   PlacedTools placed = place_tools(scene, layer(0).mesh, layer(n_layers() - 1).mesh, height);
   flange_area_ = placed.flange_area;
+  tool_surfaces_ = make_tool_surfaces(scene, placed, layer(n_layers() - 1).mesh);
   const auto take = [](contact::Tool& tool, const char* name, PlacedTool& from) {
     tool.name = name;
     tool.shape = std::move(from.shape);
@@ -200,9 +200,6 @@ Votes Stack::collect_votes() const {
   Votes votes{.contact = find_fastest_mode(chain).increment};
   for (std::size_t i = 0; i < n; ++i) {
     const double vote = layers_[i].vote;
-    if (!(vote > 0))
-      throw mechanics::Divergence(fmt::format("layer {}: its stable increment is {} s; check the tangent of its law",
-                                              scene_.layers[i].name, vote));
     votes.layers.push_back(vote);
     chain.own[i].stiffness += 4 / (vote * vote);
   }
@@ -212,18 +209,24 @@ Votes Stack::collect_votes() const {
   return votes;
 }
 
+const contact::LayerInterface* Stack::between_layers(int interface) const {
+  const bool is_between = interface > 0 && interface < n_layers();
+  return is_between ? between_[static_cast<std::size_t>(interface) - 1].get() : nullptr;
+}
+
+const contact::ToolInterface* Stack::against_tool(int interface) const {
+  if (between_layers(interface)) return nullptr;
+  return (interface == 0 ? die_ : interface == n_layers() ? blank_holder_ : punch_).get();
+}
+
 const contact::Points& Stack::points(int interface) const {
-  const int n = n_layers();
-  if (interface == 0) return die_->points();
-  if (interface < n) return between_[static_cast<std::size_t>(interface) - 1]->points();
-  return interface == n ? blank_holder_->points() : punch_->points();
+  const contact::LayerInterface* between = between_layers(interface);
+  return between ? between->points() : against_tool(interface)->points();
 }
 
 const contact::InterfaceEnergies& Stack::energies(int interface) const {
-  const int n = n_layers();
-  if (interface == 0) return die_->energies();
-  if (interface < n) return between_[static_cast<std::size_t>(interface) - 1]->energies();
-  return interface == n ? blank_holder_->energies() : punch_->energies();
+  const contact::LayerInterface* between = between_layers(interface);
+  return between ? between->energies() : against_tool(interface)->energies();
 }
 
 double Stack::thinner(int interface) const {

@@ -10,6 +10,7 @@
 #include "coordinator/blank_holder.hpp"
 #include "coordinator/pace.hpp"
 #include "exchange/link.hpp"
+#include "observe/frames.hpp"
 #include "scene/scene.hpp"
 #include "solve/blocks.hpp"
 
@@ -47,11 +48,12 @@ class Stack {
   bool is_step_complete() const;
 
   /// Largest stable increments (fastest_mode.hpp): of the layers as they last said, and with what contact adds.
-  /// @throws mechanics::Divergence if a layer said what is no positive number
   Votes collect_votes() const;
 
   /// All interfaces in the order of name_interfaces(): die, between layers upwards, blank holder, punch.
   int n_interfaces() const { return n_layers() + 1 + (punch_ ? 1 : 0); }
+  const contact::LayerInterface* between_layers(int interface) const;  ///< null: against a tool
+  const contact::ToolInterface* against_tool(int interface) const;     ///< null: between layers
   const contact::Points& points(int interface) const;
   const contact::InterfaceEnergies& energies(int interface) const;
   /// Thickness of the thinner partner, mm.
@@ -60,6 +62,7 @@ class Stack {
   const contact::Tool& die() const { return die_tool_; }
   const contact::Tool& blank_holder() const { return blank_holder_tool_; }
   const contact::Tool* punch() const { return punch_tool_.shape ? &punch_tool_ : nullptr; }
+  const std::vector<observe::ToolSurface>& tool_surfaces() const { return tool_surfaces_; }
   double flange_area() const { return flange_area_; }  ///< modelled part, mm2
   double mass() const { return mass_; }                ///< of the modelled laminate, with mass scaling, t
   double stiffness() const { return stiffness_; }      ///< of all interfaces in series under the flange, N/mm
@@ -75,6 +78,7 @@ class Stack {
   contact::Tool die_tool_, blank_holder_tool_, punch_tool_;
   std::unique_ptr<contact::ToolInterface> die_, blank_holder_, punch_;
   std::vector<std::unique_ptr<contact::LayerInterface>> between_;  ///< i: layers i and i + 1
+  std::vector<observe::ToolSurface> tool_surfaces_;                 ///< die, blank holder, punch if there is one
   double flange_area_ = 0, mass_ = 0, stiffness_ = 0, punch_start_ = 0;
 };
 

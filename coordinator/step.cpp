@@ -16,16 +16,24 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
       pace_(scene),
       holder_(scene.tools.blank_holder, stack_.flange_area(), scene.tools.blank_holder.mass_ratio * stack_.mass(),
               stack_.stiffness()),
+      scale_(compute_least_scale(
+          stack_.mass(), stack_.punch() ? kSteepest * scene.motion.stroke / scene.motion.forming_time : 0,
+          scene.tools.blank_holder.pressure * stack_.flange_area(), stack_.stiffness())),
       layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
       step_sums_(scene.layers.size(), 0.0),
       wait_sums_(scene.layers.size(), 0.0) {
   energies_.interfaces.resize(static_cast<std::size_t>(stack_.n_interfaces()));
+  touched_.resize(energies_.interfaces.size());
+  for (int i = 0; i < stack_.n_layers(); ++i) checks_.emplace_back(scene, i, stack_.layer(i).mesh);
+}
+
+double Forming::compute_stroke(double time) const {
+  return scene_.motion.stroke * smooth_step((time - scene_.tools.blank_holder.ramp) / scene_.motion.forming_time);
 }
 
 void Forming::begin_step() {
-  const double forming = (pace_.time() - scene_.tools.blank_holder.ramp) / scene_.motion.forming_time;
-  travel_ = scene_.motion.stroke * smooth_step(forming);
+  travel_ = compute_stroke(pace_.time());
   stack_.move_tools(travel_, holder_.drift(pace_.dt()));
   stack_.begin_step();
 }
@@ -61,8 +69,12 @@ void Forming::finish_step() {
   holder_.kick(pace_.time(), holder_force(), pace_.dt(), pace_.next_dt());
   if (stack_.punch()) energies_.punch_work -= 0.5 * (old_punch_force_ + punch_force()) * stack_.punch()->increment;
   old_punch_force_ = punch_force();
-  for (int k = 0; k < stack_.n_interfaces(); ++k)
-    energies_.interfaces[static_cast<std::size_t>(k)] = stack_.energies(k);
+  constexpr double kTouching = 1e-12;  // mJ; less is the rounding of a stack that just touches
+  for (int k = 0; k < stack_.n_interfaces(); ++k) {
+    const auto interface = static_cast<std::size_t>(k);
+    energies_.interfaces[interface] = stack_.energies(k);
+    if (energies_.interfaces[interface].stored > kTouching) touched_[interface] = true;
+  }
   energies_.blank_holder = holder_.energies();
   measure();
   if (pace_.frame() >= 0) publish_frame();
@@ -155,6 +167,7 @@ void Forming::put_history_row(const EnergyBalance& b) {
   row.layer_internal = b.layer_internal;
   row.layer_residual = b.layer_residual;
   row.interface_residual = b.interface_residual;
+  row.interface_friction = b.interface_friction;
   for (double& s : step_sums_) row.step_seconds.push_back(std::exchange(s, 0.0) / steps);
   for (double& s : wait_sums_) row.wait_seconds.push_back(std::exchange(s, 0.0) / steps);
   row.coordinator_step_seconds = std::exchange(own_step_sum_, 0.0) / steps;

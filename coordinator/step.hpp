@@ -9,6 +9,7 @@
 #include "coordinator/coordinator.hpp"
 #include "coordinator/energy_balance.hpp"
 #include "coordinator/pace.hpp"
+#include "coordinator/plausibility.hpp"
 #include "coordinator/stack.hpp"
 
 namespace interply::coordinator {
@@ -18,7 +19,9 @@ class Forming {
   Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink);
 
   void begin_step();
-  /// Motion of layer `who` has arrived. False if an answer could not be delivered (`lost()` says whose).
+  /// What no layer can send, in the motion of layer `who` that has arrived (plausibility.hpp); empty: nothing.
+  std::string find_fault(int who) const { return checks_[static_cast<std::size_t>(who)].find_fault(link_.motion(who)); }
+  /// Takes the motion of layer `who`. False if an answer could not be delivered (`lost()` says whose).
   bool take_motion(int who);
   bool is_step_complete() const { return stack_.is_step_complete(); }
   /// Closes step n and goes on to n + 1 unless it was the last.
@@ -27,6 +30,8 @@ class Forming {
 
   /// Energies of the final state, once every layer has sent its Final.
   EnergyBalance balance_end(const std::vector<exchange::Final>& finals) const;
+  /// Its residual / the largest energies so far.
+  double final_residual(const EnergyBalance& end) const { return end.residual() / std::max(scale_, end.scale()); }
   void put_history_row(const EnergyBalance& balance);
   std::int64_t rows() const { return rows_; }  ///< of the history, put so far
 
@@ -39,7 +44,10 @@ class Forming {
   /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty:
   /// nowhere.
   const std::string& too_soft() const { return too_soft_; }
+  /// By interface: whether any node has ever been pressed.
+  const std::vector<bool>& touched() const { return touched_; }
   double stroke() const { return travel_; }
+  double compute_stroke(double time) const;  ///< of the punch at any time (s), mm
   double punch_force() const { return stack_.punch() ? stack_.punch()->force.z() : 0; }
   double holder_force() const { return stack_.blank_holder().force.z(); }
   const BlankHolder& holder() const { return holder_; }
@@ -65,15 +73,16 @@ class Forming {
   exchange::CoordinatorLink& link_;
   observe::Sink& sink_;
   Stack stack_;
+  std::vector<Plausibility> checks_;  ///< per layer
   Pace pace_;
   BlankHolder holder_;
+  double scale_;  ///< largest energies so far, which the residual is measured against, mJ
   Votes votes_;
   std::vector<exchange::LayerEnergies> layer_energies_;  ///< at step n - 1, from the motions of step n
   std::vector<exchange::Force> forces_;
   CoordinatorEnergies energies_;  ///< at step n - 1 until finish_step()
   EnergyBalance balance_;
   double travel_ = 0, old_punch_force_ = 0, residual_ = 0, largest_residual_ = 0;
-  double scale_ = 0;  ///< largest energy scale so far, which the residual is measured against, mJ
   double holder_deviation_ = 0, holder_impulse_ = 0, holder_time_ = 0;
   double penetration_99_ = 0, penetration_peak_ = 0;
   std::vector<double> step_sums_, wait_sums_;  ///< per layer since the last history row, s
@@ -81,6 +90,7 @@ class Forming {
   std::int64_t steps_since_row_ = 0, rows_ = 0;
   int lost_ = -1;
   std::string too_soft_;
+  std::vector<bool> touched_;  ///< by interface
 };
 
 }  // namespace interply::coordinator

@@ -40,7 +40,12 @@ PlacedTools place_tools(const scene::Scene& scene, const mechanics::TriangleMesh
 
 /// What analytic tools are checked for when the scene is read, for tools given as STL: the blank is in front of them,
 /// the punch at full stroke leaves the thickness of the stack to the die and does not meet the blank holder. Surfaces
-/// are sampled every 2 mm. Also warns of a tool that the half model cuts in two unequal halves.
+/// are sampled every 2 mm.
+///
+/// Warns of a tool that the half model cuts in two unequal halves, of holes in a surface, of a tool that meets no node,
+/// and of a radius below three quarters of the element size: contact acts at nodes. The radius of a surface is estimated at its
+/// vertices within reach of the blank, at the scale of the elements, from how far it falls beside the tangent plane by
+/// the signed distance: needles and the noise of single precision do not count.
 /// @return warnings, one sentence each   @throws scene::SceneError as above, and where a check fails
 std::vector<std::string> check_tools(const scene::Scene& scene);
 

@@ -170,9 +170,9 @@ std::vector<observe::Field> FabricLayer::compute_fields(const mechanics::NodalVe
   const auto add = [&](const char* name, const char* unit, const char* description) {
     fields.push_back({name, unit, description, /*nodal=*/false, std::vector<double>(n), /*components=*/1});
   };
-  add("shear_angle", "rad", "angle by which warp and weft have left 90 degrees");
-  add("stretch_warp", "1", "stretch of the warp, la");
-  add("stretch_weft", "1", "stretch of the weft, lb");
+  add("shear_angle", "rad", "90 degrees less the angle from warp to weft: positive where they close in on each other");
+  add("stretch_warp", "-", "stretch of the warp, la");
+  add("stretch_weft", "-", "stretch of the weft, lb");
   add("S11", "MPa", "second Piola-Kirchhoff stress, warp");
   add("S22", "MPa", "second Piola-Kirchhoff stress, weft");
   add("S12", "MPa", "second Piola-Kirchhoff stress, shear");
@@ -191,9 +191,10 @@ std::vector<observe::Field> FabricLayer::compute_fields(const mechanics::NodalVe
   }
   if (own_) {
     own_->add_fields(fields);
+    add_fibre_directions(position, fields);
     return fields;
   }
-  add("beyond_cap", "1", "1 where a transverse strain is beyond strain_cap, else 0");
+  add("beyond_cap", "-", "1 where a transverse strain is beyond strain_cap, else 0");
   add("smallest_hessian_eigenvalue", "MPa", "of the strain energy in (la, lb, gamma); negative: the law is not convex");
   for (std::size_t i = 0; i < n; ++i) {
     const auto e = static_cast<Eigen::Index>(i);
@@ -202,7 +203,46 @@ std::vector<observe::Field> FabricLayer::compute_fields(const mechanics::NodalVe
         std::visit([&](const auto& law) { return law.is_beyond_cap(s.la, s.lb) ? 1.0 : 0.0; }, *law_);
     fields[Eigenvalue].values[i] = compute_smallest_eigenvalue(compute_potential(s));
   }
+  add_fibre_directions(position, fields);
   return fields;
+}
+
+void FabricLayer::add_fibre_directions(const mechanics::NodalVectors& position,
+                                       std::vector<observe::Field>& fields) const {
+  mechanics::NodalVectors warp(3, shell_.n_elements()), weft = warp;
+  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+    const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), position, e);
+    warp.col(e) = g.f1.normalized().array();
+    weft.col(e) = g.f2.normalized().array();
+  }
+  const auto add = [&](const char* name, const char* description, const mechanics::NodalVectors& a) {
+    fields.push_back({name, "-", description, /*nodal=*/false, {a.data(), a.data() + a.size()}, /*components=*/3});
+  };
+  add("warp", "unit vector along the warp in the deformed midsurface", warp);
+  add("weft", "unit vector along the weft in the deformed midsurface; at rest +90 degrees from the warp, seen from +z",
+      weft);
+}
+
+/// Sources: THEORY.md 3.
+std::vector<solve::TrustLimit> FabricLayer::trust_limits() const {
+  std::vector<solve::TrustLimit> limits{
+      {"fibre strain", "%", 4.8, "glass filaments break there"},
+      {"fibre compression", "%", 0.6, "fibres kink in bands one element wide"},
+      {"shear angle", "deg", 60, "yarns have locked and wrinkle; no shear test reaches it"}};
+  if (!own_) limits.push_back({"loss of convexity", "MPa", 0, "the law softens and its answer is not unique"});
+  return limits;
+}
+
+Eigen::ArrayXXd FabricLayer::compute_trust_quantities(const mechanics::NodalVectors& position) const {
+  Eigen::ArrayXXd quantities(own_ ? 3 : 4, shell_.n_elements());
+  for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
+    const FibreState s = compute_fibre_state(position, e);
+    quantities(0, e) = 100 * (std::max(s.la, s.lb) - 1);
+    quantities(1, e) = 100 * (1 - std::min(s.la, s.lb));
+    quantities(2, e) = std::abs(s.gamma) * kDegrees;
+    if (!own_) quantities(3, e) = -compute_smallest_eigenvalue(compute_potential(s));
+  }
+  return quantities;
 }
 
 std::vector<exchange::SummaryItem> FabricLayer::summarise(const mechanics::NodalVectors& position) const {

@@ -30,6 +30,8 @@ class FabricLayer final : public solve::LayerMechanics {
   double compute_stable_increment(const mechanics::NodalVectors& position) override;
   mechanics::Scalars compute_nodal_thickness() const override;
   std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const override;
+  std::vector<solve::TrustLimit> trust_limits() const override;
+  Eigen::ArrayXXd compute_trust_quantities(const mechanics::NodalVectors& position) const override;
   std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const override;
   void add_state_to(mechanics::Digest& digest) const override;
 
@@ -40,6 +42,7 @@ class FabricLayer final : public solve::LayerMechanics {
   MembraneResult stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
   FibreState compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const;
+  void add_fibre_directions(const mechanics::NodalVectors& x, std::vector<observe::Field>& fields) const;
   Potential compute_potential(const FibreState& s) const;
 
   // constant

@@ -125,7 +125,7 @@ mechanics::Scalars VumatMembrane::compute_nodal_thickness_stretch() const {
 
 void VumatMembrane::add_fields(std::vector<observe::Field>& fields) const {
   const auto add = [&](const std::string& name, const char* description, const auto& value) {
-    observe::Field field{.name = name, .unit = "1", .description = description, .values = {}};
+    observe::Field field{.name = name, .unit = "-", .description = description, .values = {}};
     for (Eigen::Index e = 0; e < points_.size(); ++e) field.values.push_back(value(e));
     fields.push_back(std::move(field));
   };

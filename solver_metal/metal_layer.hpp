@@ -35,6 +35,8 @@ class MetalLayer : public solve::LayerMechanics {
   double compute_stable_increment(const mechanics::NodalVectors& position) override;
   mechanics::Scalars compute_nodal_thickness() const override;
   std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const override;
+  std::vector<solve::TrustLimit> trust_limits() const override;
+  Eigen::ArrayXXd compute_trust_quantities(const mechanics::NodalVectors& position) const override;
   std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const override;
   void add_state_to(mechanics::Digest& digest) const override;
 

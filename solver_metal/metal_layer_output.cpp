@@ -53,20 +53,29 @@ std::vector<observe::Field> MetalLayer::compute_fields(const mechanics::NodalVec
                  [&](auto e) { return midsurface(e).m12; }),
       make_field("von_mises", "MPa", "von Mises stress at the midsurface", n,
                  [&](auto e) { return compute_von_mises(midsurface(e)); }),
-      make_field("stretch_1", "1", "larger principal stretch of the midsurface", n,
+      make_field("stretch_1", "-", "larger principal stretch of the midsurface", n,
                  [&](auto e) { return std::sqrt(stretches(e).first); }),
-      make_field("stretch_2", "1", "smaller principal stretch of the midsurface", n,
+      make_field("stretch_2", "-", "smaller principal stretch of the midsurface", n,
                  [&](auto e) { return std::sqrt(stretches(e).second); }),
   };
   if (own_) {
     own_->add_fields(fields);
     return fields;
   }
-  fields.push_back(make_field("plastic_strain", "1", "equivalent plastic strain, largest through the thickness", n,
+  fields.push_back(make_field("plastic_strain", "-", "equivalent plastic strain, largest through the thickness", n,
                               [&](auto e) { return plastic_strain_.col(e).maxCoeff(); }));
   fields.push_back(
-      make_field("plastic_strain_mean", "1", "equivalent plastic strain, mean through the thickness", n, mean_strain));
+      make_field("plastic_strain_mean", "-", "equivalent plastic strain, mean through the thickness", n, mean_strain));
   return fields;
+}
+
+/// Sources: THEORY.md 3.
+std::vector<solve::TrustLimit> MetalLayer::trust_limits() const {
+  return {{"thinning", "%", 25, "deep-drawing steel necks and fails there"}};
+}
+
+Eigen::ArrayXXd MetalLayer::compute_trust_quantities(const mechanics::NodalVectors&) const {
+  return 100 * (1 - thickness_.transpose() / thickness0_);
 }
 
 std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalVectors&) const {
@@ -74,7 +83,7 @@ std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalV
   for (Eigen::Index e = 0; e < n_elements(); ++e)
     for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));
   std::vector<exchange::SummaryItem> items;
-  if (!own_) items.push_back({"plastic strain up to", "1", plastic_strain_.maxCoeff()});
+  if (!own_) items.push_back({"plastic strain up to", "-", plastic_strain_.maxCoeff()});
   items.push_back({"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)});
   items.push_back({"von Mises stress up to", "MPa", von_mises});
   if (own_ && own_->largest_stress_33() > 0)

@@ -57,7 +57,8 @@ void VumatSection::set_increment(Eigen::Index e, const ElementShape& now, const 
     const double xi = rule_.point[static_cast<std::size_t>(i)], z = 0.5 * thickness * xi;
     const Eigen::Index p = point(e, i);
     auto& at = increments_[static_cast<std::size_t>(p)];
-    auto increment = solve::compute_vumat_increment(points_.stretch(p), to_matrix(now.metric - (2 * z) * now.curvature));
+    const mechanics::Matrix2 metric = to_matrix(now.metric - (2 * z) * now.curvature);
+    auto increment = solve::compute_vumat_increment(points_.stretch(p), metric);
     increment.strain = to_matrix(de.membrane + xi * de.bending);
     increment.position = at.position;
     increment.length = at.length;
@@ -112,7 +113,7 @@ void VumatSection::add_fields(std::vector<observe::Field>& fields) const {
   const int low = (rule_.size() - 1) / 2, high = rule_.size() / 2;  // equal for an odd number of points
   for (int v = 0; v < points_.n_state(); ++v) {
     observe::Field field{.name = fmt::format("state_{}", v + 1),
-                         .unit = "1",
+                         .unit = "-",
                          .description = "state variable of the vumat at the midsurface, in its own unit",
                          .values = {}};
     for (Eigen::Index e = 0; e < area_.size(); ++e)

@@ -10,8 +10,9 @@
 
 namespace interply::metal {
 
-/// Elements are called together, section point by section point from the bottom. The reference frame has e1 along the rolling direction. A point at height z
-/// gets the strain increment of the shell (E1), and as stretch U = sqrt(C - 2 z kappa).
+/// Elements are called together, section point by section point from the bottom. The reference frame has e1 along the
+/// rolling direction. A point at height z gets the strain increment of the shell (E1), and as stretch
+/// U = sqrt(C - 2 z kappa).
 class VumatSection {
  public:
   /// @throws scene::SceneError as solve::VumatPoints

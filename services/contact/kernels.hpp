@@ -20,7 +20,7 @@ struct Rows {
 /// The points of an interface, as in Points.
 struct PointRows {
   const double* area;
-  double *gap, *weight, *pressure, *slip, *height;
+  double *gap, *weight, *pressure, *slip, *friction_work, *height;
   Rows stick;
   int* state;
 };

@@ -94,7 +94,8 @@ template <class Rows, class Lanes>
   const Vec3 stick = kept * trial, slide = trial - stick, traction = -kt * stick;
   const Vec3 old_traction = -kt * load(lanes, q.stick);
 
-  sums.friction.add(lanes, -(both * dot(old_weight * old_traction + m.weight * traction, slide)));
+  const Real gain = dot(old_weight * old_traction + m.weight * traction, slide);  // minus twice the work, per area
+  sums.friction.add(lanes, -(both * gain));
   sums.damping.add(lanes, both * (old_weight * old_damping + m.weight * damping) * closing);
   sums.thinning.add(lanes, both * (old_weight * old_elastic + m.weight * elastic) * (m.height - old_height));
   sums.edge.add(lanes, both * kt * (m.weight - old_weight) * dot(m.start, stick));
@@ -105,8 +106,10 @@ template <class Rows, class Lanes>
   const auto store_changed = [&](double* row, const Real& old, const Real& now) {  // clean cache lines stay clean
     if (any(now != old)) lanes.store(row, now);
   };
-  const Real old_slip = lanes.load(q.slip);
-  store_changed(q.slip, old_slip, old_slip + select(min(m.gap, old_gap) < zero, slipped, zero));
+  const Real old_slip = lanes.load(q.slip), old_work = lanes.load(q.friction_work);
+  const Mask<Real> acts = (min(m.gap, old_gap) < zero) & (max(m.weight, old_weight) > zero);
+  store_changed(q.slip, old_slip, old_slip + select(acts, slipped, zero));
+  store_changed(q.friction_work, old_work, old_work - half * gain);
   store_changed(q.weight, old_weight, m.weight);
   if (p.dt == 0)
     lanes.store(q.height, m.height);

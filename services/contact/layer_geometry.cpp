@@ -79,6 +79,17 @@ NodalVectors LayerGeometry::positions() const {
   return x;
 }
 
+Scalars LayerGeometry::compute_tributary_areas() const {
+  Scalars areas = Scalars::Zero(n_nodes());
+  const mechanics::Triangles& corner = mesh_->triangles;
+  for (Index e = 0; e < corner.cols(); ++e) {
+    const Vector3 x = position(corner(0, e));
+    const double area = 0.5 * (position(corner(1, e)) - x).cross(position(corner(2, e)) - x).norm();
+    for (int k = 0; k < 3; ++k) areas(corner(k, e)) += area / 3;
+  }
+  return areas;
+}
+
 void LayerGeometry::add_forces_of_pulls(Quad* records, const Cells::Reach& reach) const {
   const Node* const nodes = nodes_.data();
   for_each_four(

@@ -51,6 +51,7 @@ class LayerGeometry {
   double half_thickness(Index i) const { return node(i).position.w; }        ///< current, mm
   const Scalars& mass() const { return mass_; }                              ///< lumped [n_nodes] t
   NodalVectors positions() const;                                            ///< [3 x n_nodes] mm
+  Scalars compute_tributary_areas() const;  ///< a third of the deformed triangles around each node [n_nodes] mm2
 
   /// Triangles around the nodes of a range.
   Cells::Reach find_reach(const Span& nodes) const { return cells_.find_reach(nodes); }

@@ -48,6 +48,10 @@ class LayerInterface {
   void add_rates_to(LayerRates lower, LayerRates upper) const;
 
   const Points& points() const { return points_; }
+  const LayerGeometry& lower() const { return lower_; }
+  const LayerGeometry& upper() const { return upper_; }
+  /// Triangle of the upper layer that node i of the lower one faces.
+  int facing(Eigen::Index i) const { return triangle_[static_cast<std::size_t>(i)]; }
   const InterfaceEnergies& energies() const { return energies_; }
   const NodalVectors& force_on_lower() const { return on_lower_.force(); }  ///< [3 x n_nodes of lower] N
   const NodalVectors& force_on_upper() const { return on_upper_.force(); }  ///< [3 x n_nodes of upper] N

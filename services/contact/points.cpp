@@ -21,9 +21,16 @@ Points::Points(const Scalars& areas, double tangential_stiffness)
       pressure(Scalars::Zero(areas.size())),
       stick(NodalVectors::Zero(3, areas.size())),
       slip(Scalars::Zero(areas.size())),
+      friction_work(Scalars::Zero(areas.size())),
       height(Scalars::Zero(areas.size())),
       state(Eigen::ArrayXi::Zero(areas.size())),
       tangential(tangential_stiffness) {}
+
+NodalVectors Points::acting_traction() const {
+  NodalVectors traction(3, size());
+  for (int d = 0; d < 3; ++d) traction.row(d) = -tangential * weight.transpose() * stick.row(d);
+  return traction;
+}
 
 void PenetrationSample::add(const Points& points, double thickness) {
   for (Eigen::Index i = 0; i < points.size(); ++i) {

@@ -52,14 +52,15 @@ struct Rates {
 };
 
 /// All contact points of one interface; one point per facing node. The traction of a point acts on its node, the
-/// partner receives the opposite.
+/// partner receives the opposite. Pressure and springs are those of the part of the node's area that faces the partner.
 struct Points {
   Scalars area;          ///< A   tributary area, reference                               [n]      mm2
   Scalars gap;           ///< g   along the normal, > 0 open                              [n]      mm
   Scalars weight;        ///< share of the area that still faces the partner, 1 inside    [n]
   Scalars pressure;      ///< p   with damping, >= 0                                      [n]      MPa
   NodalVectors stick;    ///< e   elastic tangential displacement of node against partner [3 x n]  mm
-  Scalars slip;          ///< accumulated plastic slip                                    [n]      mm
+  Scalars slip;          ///< accumulated plastic slip where something acts               [n]      mm
+  Scalars friction_work;  ///< dissipated by slip since the start, per area A              [n]      mJ/mm2
   Scalars height;        ///< sum of the half thicknesses between the midsurfaces         [n]      mm
   Eigen::ArrayXi state;  ///< State                                                       [n]
 
@@ -69,7 +70,10 @@ struct Points {
   Points(const Scalars& areas, double tangential_stiffness);
   Points() = default;
   Eigen::Index size() const { return area.size(); }
-  NodalVectors traction() const { return -tangential * stick; }  ///< tau on the node, -k_t e [3 x n] MPa
+
+  // What acts on a node, per reference area of all of it: nothing where it does not face the partner.
+  Scalars acting_pressure() const { return weight * pressure; }  ///< s p  [n] MPa
+  NodalVectors acting_traction() const;                          ///< tau = -s k_t e  [3 x n] MPa
 };
 
 /// What a point sees in one step. The normal points from the node to its partner.
@@ -134,7 +138,8 @@ inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::
   const Vector3 traction = -law.tangential * stick;
   const double area = points.area(i);
   const double both = 0.5 * area;
-  energies.friction -= both * (old_weight * old_traction + m.weight * traction).dot(slide);
+  const double work = -(old_weight * old_traction + m.weight * traction).dot(slide);  // twice, per area
+  energies.friction += both * work;
   energies.damping += both * (old_weight * old_damping + m.weight * (pressure - elastic)) * closing;
   energies.thinning += both * (old_weight * old_elastic + m.weight * elastic) * (m.height - points.height(i));
   energies.edge += both * law.tangential * (m.weight - old_weight) * start.dot(stick);
@@ -145,7 +150,8 @@ inline PointForce advance_point(const InterfaceLaw& law, Points& points, Eigen::
   points.weight(i) = m.weight;
   points.height(i) = m.height;
   points.pressure(i) = pressure;
-  points.slip(i) += slide.norm();
+  points.friction_work(i) += 0.5 * work;
+  if (old_weight > 0 || m.weight > 0) points.slip(i) += slide.norm();
   points.state(i) = static_cast<int>(state);
   for (int d = 0; d < 3; ++d) points.stick(d, i) = stick(d);
   return {.pressing = m.weight * area * elastic,

@@ -15,6 +15,7 @@ inline PointRows get_rows(Points& p) {
           .weight = p.weight.data(),
           .pressure = p.pressure.data(),
           .slip = p.slip.data(),
+          .friction_work = p.friction_work.data(),
           .height = p.height.data(),
           .stick = get_rows(p.stick),
           .state = p.state.data()};

@@ -41,6 +41,12 @@ class ToolInterface {
   double near_area() const;
 
   const Points& points() const { return points_; }
+  const LayerGeometry& layer() const { return layer_; }
+  const Tool& tool() const { return tool_; }
+  /// Distance of node i to the tool now, from midsurface; points of nodes that cannot touch keep an older gap.
+  Distance measure(Eigen::Index i) const {
+    return tool_.shape->evaluate(layer_.position(i) - Vector3(0, 0, tool_.z));
+  }
   const InterfaceEnergies& energies() const { return energies_; }
   const NodalVectors& force_on_layer() const { return on_layer_.force(); }  ///< [3 x n_nodes] N
 

@@ -74,11 +74,22 @@ struct SummaryItem {
   double value = 0;
 };
 
+/// A documented limit (THEORY.md of the solver) that elements of a layer passed in some frame of the run.
+struct OutsideTrust {
+  std::string quantity, unit, meaning;  ///< "thinning", "%", what lies beyond
+  double limit = 0;
+  double worst = 0;       ///< largest value of all frames
+  double share = 0;       ///< largest share of the layer's reference area beyond the limit
+  double x = 0, y = 0;    ///< centre of the worst element in the flat blank, mm
+  double first_time = 0;  ///< of the first frame with an element beyond, s
+};
+
 /// Solver -> coordinator, once, after Force.last.
 struct Final {
   std::uint64_t digest = 0;  ///< of the layer's whole state
   LayerEnergies energies;    ///< at the last step
   std::vector<SummaryItem> summary;
+  std::vector<OutsideTrust> outside_trust;  ///< limits that were passed; empty: none
 };
 
 /// Bytes for the recorder (observe/sample.hpp), which the exchange does not look into.

@@ -190,6 +190,18 @@ Bytes Encoder::encode(const Final& final) {
     entry.set_unit(item.unit);
     entry.set_value(item.value);
   }
+  for (const OutsideTrust& passed : final.outside_trust) {
+    auto& entry = *to.add_outside_trust();
+    entry.set_quantity(passed.quantity);
+    entry.set_unit(passed.unit);
+    entry.set_meaning(passed.meaning);
+    entry.set_limit(passed.limit);
+    entry.set_worst(passed.worst);
+    entry.set_share(passed.share);
+    entry.set_x(passed.x);
+    entry.set_y(passed.y);
+    entry.set_first_time(passed.first_time);
+  }
   write(header, 0);
   return finish();
 }
@@ -368,6 +380,17 @@ void Decoder::read(Final& final) const {
   final.energies = get(from.energies());
   final.summary.clear();
   for (const auto& item : from.summary()) final.summary.push_back({item.name(), item.unit(), item.value()});
+  final.outside_trust.clear();
+  for (const auto& entry : from.outside_trust())
+    final.outside_trust.push_back({.quantity = entry.quantity(),
+                                   .unit = entry.unit(),
+                                   .meaning = entry.meaning(),
+                                   .limit = entry.limit(),
+                                   .worst = entry.worst(),
+                                   .share = entry.share(),
+                                   .x = entry.x(),
+                                   .y = entry.y(),
+                                   .first_time = entry.first_time()});
 }
 
 void Decoder::read(Failure& failure) const {

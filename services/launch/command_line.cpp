@@ -25,7 +25,7 @@ constexpr const char* kFooter = R"(exit codes:
   1  interply itself failed (a file that cannot be written, a program that cannot be started)
   2  the scene, the law or the command line is refused; nothing was started
   3  the mechanics diverged; the record holds every complete frame
-  4  a process was lost; the record holds every complete frame
+  4  a process was lost, or ended by a law of the user's own; the record holds every complete frame
   5  cancelled (Ctrl-C); the record holds every complete frame
 
 `interply COMMAND --help` shows an example of each command.)";

@@ -66,6 +66,7 @@ RunResult Federation::supervise() {
   }
   RunResult result = cause_ ? *cause_ : result_;
   result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
+  result.summary_json = result_.summary_json;
   result.digest = result_.digest;
   for (const auto& p : processes_) result.cpu.push_back({p.child->name(), p.child->cpu_seconds()});
   return result;
@@ -140,6 +141,8 @@ void Federation::handle_line(const Supervised& from, const std::string& line) {
   } else if (const auto summary = after_prefix(line, "@summary")) {
     if (!result_.summary.empty()) result_.summary += '\n';
     result_.summary += summary->starts_with(' ') ? summary->substr(1) : *summary;
+  } else if (const auto json = after_prefix(line, "@json ")) {
+    result_.summary_json += *json + '\n';
   } else if (const auto digest = after_prefix(line, "@digest ")) {
     result_.digest = *digest;
   } else if (const auto address = after_prefix(line, "bound "); address && !bound_) {

@@ -226,7 +226,8 @@ int run_point(const std::filesystem::path& law, const std::filesystem::path& pat
   try {
     const scene::Law read = scene::read_law(law);
     if (const auto* own = std::get_if<scene::VumatLaw>(&read))
-      for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity)) err << "warning: " << warning << '\n';
+      for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity))
+        err << "warning: " << warning << '\n';
     out << follow_path(read, read_text(path_csv), path_csv.string());
     return 0;
   } catch (const scene::SceneError& e) {

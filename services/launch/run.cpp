@@ -7,14 +7,15 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 
 #include "coordinator/tools.hpp"
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
-#include "observe/dds.hpp"
 #include "process/limits.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::launch {
 namespace fs = std::filesystem;
@@ -45,16 +46,7 @@ std::vector<fs::path> find_old_logs(const RunFolder& folder) {
 }  // namespace
 
 void check_addresses(const scene::Scene& scene, const std::string& address) {
-  if (scene.record.frames > 0) {
-    try {
-      observe::check_network({.network = scene.observe.network,
-                              .multicast = scene.observe.multicast,
-                              .domain = scene.observe.domain,
-                              .run = "run"});
-    } catch (const std::runtime_error& e) {
-      throw scene::SceneError(e.what());
-    }
-  }
+  solve::check_network(scene);
   const std::string& chosen = address.empty() ? scene.exchange.address : address;
   if (chosen == "shm" || chosen == "ipc") return;
   try {
@@ -114,6 +106,7 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
                                  folder.sidecar().filename().string()));
     }
     terminal.print(fmt::format("scene    {}", folder.scene().string()));
+    if (fs::exists(folder.summary())) terminal.print(fmt::format("summary  {}", folder.summary().string()));
     if (!fs::is_empty(folder.logs())) terminal.print(fmt::format("logs     {}", folder.logs().string()));
   }
   if (!result.digest.empty()) terminal.print("digest " + result.digest);
@@ -141,7 +134,13 @@ int run_command(const RunOptions& options) {
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;
   const RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
                                               : run_federated(scene, folder, run_name, address, terminal);
-  if (result.exit_code != kDone) record::settle_record(folder.out, find_status(result.exit_code), result.message);
+  if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
+    std::ofstream(folder.summary()) << result.summary_json;
+  if (result.exit_code != kDone) try {
+      record::settle_record(folder.out, find_status(result.exit_code), result.message);
+    } catch (const std::exception& e) {  // the disk that ended the run
+      terminal.note(fmt::format("warning: the record does not say how the run ended: {}", e.what()));
+    }
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;
 }

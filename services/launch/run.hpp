@@ -37,6 +37,7 @@ struct RunResult {
   std::string message;       ///< why, if not done
   std::string summary;       ///< one screen
   std::string digest;        ///< of the final state of all layers; empty unless done
+  std::string summary_json;  ///< its numbers (proto/summary.proto); empty unless done
   std::vector<CpuTime> cpu;  ///< of each process; empty if there was only one
 };
 
@@ -47,6 +48,7 @@ struct RunFolder {
   std::filesystem::path scene() const { return out / "scene.yaml"; }
   std::filesystem::path record() const { return out / "record.h5"; }
   std::filesystem::path sidecar() const { return out / "record.xdmf"; }
+  std::filesystem::path summary() const { return out / "summary.json"; }
   std::filesystem::path logs() const { return out / "logs"; }
   std::filesystem::path log(const std::string& participant) const { return logs() / (participant + ".log"); }
 };

@@ -1,5 +1,8 @@
 #include <atomic>
+#include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -114,6 +117,22 @@ void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub
   }
 }
 
+constexpr double kLayersAfterCoordinator = 5;  ///< s, as the solvers of a federation are given
+
+/// A law of the user's own that never returns keeps its thread: then only the end of the process ends it.
+void leave_if_stuck(const std::atomic<int>& running, const coordinator::Outcome& outcome, Terminal& terminal) {
+  const auto start = std::chrono::steady_clock::now();
+  while (running > 0) {
+    if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(kLayersAfterCoordinator)) {
+      terminal.end_progress();
+      std::fprintf(stderr, "interply: %s; its thread does not return\n", outcome.message.c_str());
+      std::fflush(nullptr);
+      std::_Exit(outcome.exit_code);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 }  // namespace
 
 RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, const std::string& run_name,
@@ -135,17 +154,22 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
   coordinator::Outcome outcome;
   {
     std::vector<std::jthread> layers;
+    std::atomic<int> running = static_cast<int>(scene.layers.size());
     for (int i = 0; i < static_cast<int>(scene.layers.size()); ++i) {
-      layers.emplace_back([&, i] { run_layer(scene, i, hub, *sink, log); });
+      layers.emplace_back([&, i] {
+        run_layer(scene, i, hub, *sink, log);
+        --running;
+      });
     }
     outcome = coordinator::run(scene, run_name, hub.coordinator(), *sink, report, log);
     hub.close();
+    if (outcome.exit_code != kDone) leave_if_stuck(running, outcome, terminal);
   }
   if (outcome.exit_code == kDone && !sink->failure().empty()) {  // at the last moment
     outcome.exit_code = kFailed;
     outcome.message = sink->failure();
   }
-  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest};
+  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest, outcome.summary_json};
 }
 
 }  // namespace interply::launch

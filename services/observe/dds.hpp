@@ -1,9 +1,9 @@
 /// Cyclone DDS as the carrier of what anyone may watch: a Sink that publishes, a subscriber that fills a Sink.
 ///
-/// One topic per struct of frames.hpp (`proto/observe.idl`). Every run has its own DDS partition and stamps every sample
-/// with its identity, so that runs on one host or network do not mix. Every writer keeps the last sample of each instance
-/// (run, layer, interface, tool) for who comes late, and a few for who is slow. Who watches may lose samples and never
-/// holds the run.
+/// One topic per struct of frames.hpp (`proto/observe.idl`). Every run has its own DDS partition and stamps every
+/// sample with its identity, so that runs on one host or network do not mix. Every writer keeps the last sample of each
+/// instance (run, layer, interface, tool) for who comes late, and a few for who is slow. Who watches may lose samples
+/// and never holds the run.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 namespace interply::observe {
 
 struct DdsOptions {
-  std::string network = "127.0.0.1";  ///< the interface that DDS uses: its name, IPv4 address, or its network's address
+  std::string network = "127.0.0.1";  ///< name or IPv4 address of the interface that DDS uses, or of its network
   bool multicast = false;             ///< find participants by multicast, else by unicast on `network` alone
   int domain = 0;                     ///< DDS domain, 0 to 230
   std::string run;                    ///< identity of the run: the partition, and the stamp of every sample
@@ -38,10 +38,6 @@ class DdsSink : public Sink {
   /// Leaves at once: flush() first if what was put last matters.
   ~DdsSink() override;
 
-  /// Waits until a recorder (Role::Recorder) reads all topics, or `seconds` have passed: false. What is put afterwards
-  /// is not lost to that recorder.
-  bool wait_for_reader(double seconds);
-
   void put(const RunHeader&) override;
   void put(const LayerMesh&) override;
   void put(const LayerFrame&) override;
@@ -56,20 +52,17 @@ class DdsSink : public Sink {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Who reads: a run waits for its recorder, never for others.
-enum class Role { Recorder, Monitor };
-
 /// Reads everything that is published in `options.run`.
 class DdsSubscriber {
  public:
   /// @throws std::runtime_error with a sentence if options are unusable or no participant can be created
-  explicit DdsSubscriber(const DdsOptions& options, Role role = Role::Monitor);
+  explicit DdsSubscriber(const DdsOptions& options);
   ~DdsSubscriber();
 
   /// Hands samples that have arrived to `handler`, waiting at most `seconds` for the first one: the header first, then
-  /// the meshes of all layers, then everything else. Samples of one layer, interface or tool come in order; between them
-  /// there is no order. What cannot be of this run (stamp, sender, names, sizes: known_run.hpp) is dropped and counted,
-  /// with one log line a second at most.
+  /// the meshes of all layers, then everything else. Samples of one layer, interface or tool come in order; between
+  /// them there is no order. What cannot be of this run (stamp, sender, names, sizes: known_run.hpp) is dropped and
+  /// counted, with one log line a second at most.
   /// @return number of samples handed over
   int receive(Sink& handler, double seconds);
 

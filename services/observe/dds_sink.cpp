@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <string_view>
-#include <thread>
+#include <string>
 
 #include "observe/dds.hpp"
 #include "observe/dds_domain.hpp"
@@ -23,28 +22,6 @@ Clock::time_point after(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 dds_duration_t to_dds(double seconds) { return static_cast<dds_duration_t>(seconds * 1e9); }
-
-/// Whether the reader `which` of `writer` bears the recorder's mark.
-bool is_recorder(dds_entity_t writer, dds_instance_handle_t which) {
-  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(writer, which);
-  if (!endpoint) return false;
-  void* data = nullptr;
-  std::size_t size = 0;
-  const bool marked = dds_qget_userdata(endpoint->qos, &data, &size) && data &&
-                      std::string_view(static_cast<const char*>(data), size) == kRecorderMark;
-  dds_free(data);
-  dds_builtintopic_free_endpoint(endpoint);
-  return marked;
-}
-
-bool has_recorder(dds_entity_t writer) {
-  std::array<dds_instance_handle_t, 64> readers;
-  const int n = dds_get_matched_subscriptions(writer, readers.data(), readers.size());
-  for (int i = 0; i < std::min<int>(n, readers.size()); ++i) {
-    if (is_recorder(writer, readers[i])) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -81,15 +58,6 @@ struct DdsSink::Impl {
 
 DdsSink::DdsSink(const DdsOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 DdsSink::~DdsSink() = default;
-
-bool DdsSink::wait_for_reader(double seconds) {
-  const Clock::time_point deadline = after(seconds);
-  while (true) {
-    if (std::all_of(impl_->writers.begin(), impl_->writers.end(), has_recorder)) return true;
-    if (Clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-}
 
 void DdsSink::put(const RunHeader& a) { impl_->write(a); }
 void DdsSink::put(const LayerMesh& a) { impl_->write(a); }

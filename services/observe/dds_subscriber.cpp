@@ -73,14 +73,13 @@ class Senders {
 }  // namespace
 
 struct DdsSubscriber::Impl {
-  Impl(const DdsOptions& options, Role role) : participant(options), known(options.run) {
+  explicit Impl(const DdsOptions& options) : participant(options), known(options.run) {
     const Qos partition = make_partition_qos(options.run);
     const dds_entity_t subscriber =
         check_entity(dds_create_subscriber(participant.handle(), partition.get(), nullptr), "create a subscriber");
     waitset = check_entity(dds_create_waitset(participant.handle()), "create a waitset");
     for_each_topic([&]<typename T>() {
       const Qos qos = make_reader_qos(Wire<T>::depth);
-      if (role == Role::Recorder) dds_qset_userdata(qos.get(), kRecorderMark, std::strlen(kRecorderMark));
       const dds_entity_t topic =
           check_entity(dds_create_topic(participant.handle(), Wire<T>::descriptor, Wire<T>::name, nullptr, nullptr),
                        std::string("create topic ") + Wire<T>::name);
@@ -152,7 +151,7 @@ struct DdsSubscriber::Impl {
   std::atomic<std::uint64_t> dropped = 0;
 };
 
-DdsSubscriber::DdsSubscriber(const DdsOptions& options, Role role) : impl_(std::make_unique<Impl>(options, role)) {}
+DdsSubscriber::DdsSubscriber(const DdsOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 DdsSubscriber::~DdsSubscriber() = default;
 
 int DdsSubscriber::receive(Sink& handler, double seconds) {

@@ -22,6 +22,10 @@ dds_sequence_long view(const mechanics::Triangles& a) {
   const auto length = static_cast<std::uint32_t>(a.size());
   return {length, length, const_cast<int*>(a.data()), false};
 }
+dds_sequence_long_long view(const std::vector<std::int64_t>& a) {
+  const auto length = static_cast<std::uint32_t>(a.size());
+  return {length, length, const_cast<std::int64_t*>(a.data()), false};
+}
 dds_sequence_string view(const std::vector<std::string>& a, std::vector<char*>& pointers) {
   for (const std::string& s : a) pointers.push_back(view(s));
   const auto length = static_cast<std::uint32_t>(pointers.size());
@@ -36,15 +40,22 @@ Sequence view(const std::vector<Field>& a, std::vector<interply_observe_Field>& 
   return {length, length, fields.data(), false};
 }
 
+template <typename Sequence>
+Sequence view(const std::vector<ToolSurface>& a, std::vector<interply_observe_ToolSurface>& surfaces) {
+  for (const ToolSurface& s : a) surfaces.push_back({view(s.nodes), view(s.triangles)});
+  const auto length = static_cast<std::uint32_t>(surfaces.size());
+  return {length, length, surfaces.data(), false};
+}
+
 std::vector<double> copy(const dds_sequence_double& w) { return {w._buffer, w._buffer + w._length}; }
+std::vector<std::int64_t> copy(const dds_sequence_long_long& w) { return {w._buffer, w._buffer + w._length}; }
 std::vector<std::string> copy(const dds_sequence_string& w) { return {w._buffer, w._buffer + w._length}; }
 
 /// [3 x n] row-major array.
 template <typename Array, typename Sequence>
-Array copy_rows(const Sequence& w, const char* what, const char* layer) {
+Array copy_rows(const Sequence& w, const char* what, const std::string& owner) {
   if (w._length % 3 != 0) {
-    throw std::runtime_error(
-        fmt::format("{} of layer '{}' has {} values, not a multiple of 3", what, layer, w._length));
+    throw std::runtime_error(fmt::format("{} of {} has {} values, not a multiple of 3", what, owner, w._length));
   }
   return Eigen::Map<const Array>(w._buffer, 3, w._length / 3);
 }
@@ -62,6 +73,19 @@ std::vector<Field> copy_fields(const Sequence& w) {
   }
   return fields;
 }
+
+template <typename Sequence>
+std::vector<ToolSurface> copy_surfaces(const Sequence& w) {
+  std::vector<ToolSurface> surfaces;
+  for (std::uint32_t i = 0; i < w._length; ++i) {
+    const std::string owner = fmt::format("the surface of tool {}", i);
+    surfaces.push_back({copy_rows<mechanics::NodalVectors>(w._buffer[i].nodes, "nodes", owner),
+                        copy_rows<mechanics::Triangles>(w._buffer[i].triangles, "triangles", owner)});
+  }
+  return surfaces;
+}
+
+std::string name_layer(const char* layer) { return fmt::format("layer '{}'", layer); }
 
 }  // namespace
 
@@ -111,8 +135,12 @@ Encoded<RunHeader> encode(const RunHeader& a, const std::string& run) {
               .interfaces = view(a.interfaces, e.strings[1]),
               .tools = view(a.tools, e.strings[2]),
               .interface_nodes_of = view(a.interface_nodes_of, e.strings[3]),
+              .interface_others = view(a.interface_others, e.strings[4]),
+              .tool_surfaces = view<decltype(e.sample.tool_surfaces)>(a.tool_surfaces, e.surfaces),
               .frames = a.frames,
-              .history_capacity = a.history_capacity};
+              .history_capacity = a.history_capacity,
+              .nodes = view(a.nodes),
+              .elements = view(a.elements)};
   return e;
 }
 
@@ -147,7 +175,8 @@ Encoded<InterfaceFrame> encode(const InterfaceFrame& a, const std::string& run) 
               .frame = a.frame,
               .step = a.step,
               .time = a.time,
-              .fields = view<decltype(e.sample.fields)>(a.fields, e.fields)};
+              .fields = view<decltype(e.sample.fields)>(a.fields, e.fields),
+              .fields_on_other = view<decltype(e.sample.fields_on_other)>(a.fields_on_other, e.fields_on_other)};
   return e;
 }
 
@@ -159,7 +188,8 @@ Encoded<ToolFrame> encode(const ToolFrame& a, const std::string& run) {
               .step = a.step,
               .time = a.time,
               .position = a.position,
-              .force = {a.force[0], a.force[1], a.force[2]}};
+              .force = {a.force[0], a.force[1], a.force[2]},
+              .moment = {a.moment[0], a.moment[1], a.moment[2]}};
   return e;
 }
 
@@ -191,7 +221,8 @@ Encoded<HistoryRow> encode(const HistoryRow& a, const std::string& run) {
               .wait_seconds = view(a.wait_seconds),
               .coordinator_step_seconds = a.coordinator_step_seconds,
               .coordinator_wait_seconds = a.coordinator_wait_seconds,
-              .interface_residual = view(a.interface_residual)};
+              .interface_residual = view(a.interface_residual),
+              .interface_friction = view(a.interface_friction)};
   return e;
 }
 
@@ -201,7 +232,8 @@ Encoded<RunEnd> encode(const RunEnd& a, const std::string& run) {
               .status = view(a.status),
               .message = view(a.message),
               .digest = view(a.digest),
-              .frames_complete = a.frames_complete};
+              .frames_complete = a.frames_complete,
+              .summary = view(a.summary)};
   return e;
 }
 
@@ -214,16 +246,20 @@ RunHeader decode(const interply_observe_RunHeader& w) {
           .interfaces = copy(w.interfaces),
           .tools = copy(w.tools),
           .interface_nodes_of = copy(w.interface_nodes_of),
+          .interface_others = copy(w.interface_others),
+          .tool_surfaces = copy_surfaces(w.tool_surfaces),
           .frames = w.frames,
-          .history_capacity = w.history_capacity};
+          .history_capacity = w.history_capacity,
+          .nodes = copy(w.nodes),
+          .elements = copy(w.elements)};
 }
 
 LayerMesh decode(const interply_observe_LayerMesh& w) {
   return {.layer = w.layer,
           .kind = w.kind,
           .thickness = w.thickness,
-          .reference = copy_rows<mechanics::NodalVectors>(w.reference, "reference", w.layer),
-          .triangles = copy_rows<mechanics::Triangles>(w.triangles, "triangles", w.layer)};
+          .reference = copy_rows<mechanics::NodalVectors>(w.reference, "reference", name_layer(w.layer)),
+          .triangles = copy_rows<mechanics::Triangles>(w.triangles, "triangles", name_layer(w.layer))};
 }
 
 LayerFrame decode(const interply_observe_LayerFrame& w) {
@@ -231,7 +267,7 @@ LayerFrame decode(const interply_observe_LayerFrame& w) {
           .frame = w.frame,
           .step = w.step,
           .time = w.time,
-          .position = copy_rows<mechanics::NodalVectors>(w.position, "position", w.layer),
+          .position = copy_rows<mechanics::NodalVectors>(w.position, "position", name_layer(w.layer)),
           .fields = copy_fields(w.fields)};
 }
 
@@ -241,7 +277,8 @@ InterfaceFrame decode(const interply_observe_InterfaceFrame& w) {
           .frame = w.frame,
           .step = w.step,
           .time = w.time,
-          .fields = copy_fields(w.fields)};
+          .fields = copy_fields(w.fields),
+          .fields_on_other = copy_fields(w.fields_on_other)};
 }
 
 ToolFrame decode(const interply_observe_ToolFrame& w) {
@@ -250,7 +287,8 @@ ToolFrame decode(const interply_observe_ToolFrame& w) {
           .step = w.step,
           .time = w.time,
           .position = w.position,
-          .force = {w.force[0], w.force[1], w.force[2]}};
+          .force = {w.force[0], w.force[1], w.force[2]},
+          .moment = {w.moment[0], w.moment[1], w.moment[2]}};
 }
 
 HistoryRow decode(const interply_observe_HistoryRow& w) {
@@ -279,11 +317,16 @@ HistoryRow decode(const interply_observe_HistoryRow& w) {
           .wait_seconds = copy(w.wait_seconds),
           .coordinator_step_seconds = w.coordinator_step_seconds,
           .coordinator_wait_seconds = w.coordinator_wait_seconds,
-          .interface_residual = copy(w.interface_residual)};
+          .interface_residual = copy(w.interface_residual),
+          .interface_friction = copy(w.interface_friction)};
 }
 
 RunEnd decode(const interply_observe_RunEnd& w) {
-  return {.status = w.status, .message = w.message, .digest = w.digest, .frames_complete = w.frames_complete};
+  return {.status = w.status,
+          .message = w.message,
+          .digest = w.digest,
+          .frames_complete = w.frames_complete,
+          .summary = w.summary};
 }
 
 }  // namespace interply::observe

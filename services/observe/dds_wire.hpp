@@ -91,15 +91,13 @@ Qos make_reader_qos(int depth);
 /// Quality of service of a publisher or subscriber: the partition.
 Qos make_partition_qos(const std::string& run);
 
-/// User data by which a writer tells a recorder's readers from others.
-inline constexpr const char* kRecorderMark = "interply-recorder";
-
 /// A wire sample and the small arrays it points to.
 template <typename T>
 struct Encoded {
   typename Wire<T>::Type sample{};
-  std::vector<interply_observe_Field> fields;
-  std::array<std::vector<char*>, 4> strings;
+  std::vector<interply_observe_Field> fields, fields_on_other;
+  std::array<std::vector<char*>, 5> strings;
+  std::vector<interply_observe_ToolSurface> surfaces;
 };
 /// @param run  stamp of the sample; lives as long as the result
 Encoded<RunHeader> encode(const RunHeader& a, const std::string& run);

@@ -37,14 +37,15 @@ struct LayerFrame {
   std::vector<Field> fields;
 };
 
-/// Tractions at the facing nodes of the lower layer (the nodes of its mesh), on the upper layer.
+/// What acts at the facing nodes of the lower layer (of the only one, against a tool), and on the layer above it.
 struct InterfaceFrame {
   std::string interface;  ///< "lower|upper", e.g. "ply_1|ply_2", "die|sheet_lower"
   std::string nodes_of;   ///< layer whose nodes carry the fields
   int frame = 0;
   std::int64_t step = 0;
   double time = 0;
-  std::vector<Field> fields;  ///< pressure, tangential_traction [3], gap, slip, state (0 open, 1 stick, 2 slide)
+  std::vector<Field> fields;  ///< pressure, tangential_traction [3], force [3], gap, slip, state, ... (RECORD.md)
+  std::vector<Field> fields_on_other;  ///< at the nodes of the other layer; none against a tool
 };
 
 struct ToolFrame {
@@ -53,7 +54,8 @@ struct ToolFrame {
   std::int64_t step = 0;
   double time = 0;
   double position = 0;   ///< z of the tool's reference point, mm
-  double force[3] = {};  ///< contact force on the tool, full modelled part, N
+  double force[3] = {};   ///< contact force on the tool, full modelled part, N
+  double moment[3] = {};  ///< of the same about the origin, N mm
 };
 
 /// One row of /history.
@@ -71,7 +73,13 @@ struct HistoryRow {
   std::vector<double> step_seconds;   ///< wall time per step of each layer's process, s (mean since the last row)
   std::vector<double> wait_seconds;   ///< of that, waiting for the coordinator, s
   double coordinator_step_seconds = 0, coordinator_wait_seconds = 0;
-  std::vector<double> interface_residual;  ///< per interface, mJ
+  std::vector<double> interface_residual, interface_friction;  ///< per interface, mJ
+};
+
+/// Triangles of a tool for pictures, relative to its reference point.
+struct ToolSurface {
+  mechanics::NodalVectors nodes;   ///< [3 x n_nodes] mm
+  mechanics::Triangles triangles;  ///< counter-clockwise seen from outside [3 x n_triangles]
 };
 
 /// Sent once by the coordinator before anything else.
@@ -80,6 +88,8 @@ struct RunHeader {
   std::string scene_text, version, scene_digest;
   std::vector<std::string> layers, interfaces, tools;  ///< in order; every frame and history row refers to these
   std::vector<std::string> interface_nodes_of;         ///< layer whose nodes carry each interface's fields
+  std::vector<std::string> interface_others;           ///< layer or tool on its other side
+  std::vector<ToolSurface> tool_surfaces;              ///< of each tool
   int frames = 0;                ///< frames to come, beside the initial one
   int history_capacity = 0;      ///< largest number of history rows
   std::vector<std::int64_t> nodes, elements;  ///< of each layer's mesh; empty: not told
@@ -91,7 +101,7 @@ struct RunEnd {
   std::string message;  ///< one sentence
   std::string digest;   ///< final state of all layers, hex; empty unless done
   int frames_complete = 0;  ///< frames, initial one included, that every layer was told to publish
-  std::string summary;      ///< numbers of the summary, JSON; may be empty
+  std::string summary;      ///< every number of the summary with its unit (proto/summary.proto); empty unless done
 };
 
 /// Where a participant puts what may be watched. Calls never block the step for long and never throw on a lost reader.

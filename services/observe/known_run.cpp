@@ -71,23 +71,32 @@ void KnownRun::admit(const RunHeader& a, const std::string& run, const Sender& s
   require_distinct(a.tools, "tools");
   require(a.interface_nodes_of.size() == a.interfaces.size(), "a header with {} interfaces on the nodes of {} layers",
           a.interfaces.size(), a.interface_nodes_of.size());
+  require(a.nodes.size() == a.elements.size() && (a.nodes.empty() || a.nodes.size() == a.layers.size()),
+          "a header with {} layers and sizes of {} and {} meshes", a.layers.size(), a.nodes.size(), a.elements.size());
   for (const std::string& layer : a.interface_nodes_of) index_of(a.layers, layer, "layer");
+  require(a.interface_others.size() == a.interfaces.size() && a.tool_surfaces.size() == a.tools.size(),
+          "a header with {} interfaces of {} others and {} tools of {} surfaces", a.interfaces.size(),
+          a.interface_others.size(), a.tools.size(), a.tool_surfaces.size());
   require(a.frames >= 0 && a.frames <= kMostFrames, "a header of {} frames", a.frames);
   require(a.history_capacity >= 0 && a.history_capacity <= kMostRows, "a header of {} history rows",
           a.history_capacity);
   require(!has_header() || (a.layers == header_.layers && a.interfaces == header_.interfaces &&
-                            a.tools == header_.tools && a.frames == header_.frames),
+                            a.tools == header_.tools && a.nodes == header_.nodes && a.elements == header_.elements &&
+                            a.frames == header_.frames),
           "a second header that says something else");
   header_ = a;
   header_.scene_text.clear();
+  header_.tool_surfaces.clear();
   coordinator_ = sender;
 }
 
 void KnownRun::admit(const LayerMesh& a, const std::string& run, const Sender& sender) {
   check_run(run);
   require(sender != Sender{}, "its sender is not known any more");
-  index_of(header_.layers, a.layer, "layer");
+  const std::size_t i = index_of(header_.layers, a.layer, "layer");
   const Mesh mesh{sender, a.reference.cols(), a.triangles.cols()};
+  require(header_.nodes.empty() || (header_.nodes[i] == mesh.nodes && header_.elements[i] == mesh.elements),
+          "a mesh of {} nodes and {} elements, which layer '{}' has not", mesh.nodes, mesh.elements, a.layer);
   const auto known = meshes_.find(a.layer);
   require(known == meshes_.end() || (known->second.sender == sender && known->second.nodes == mesh.nodes &&
                                      known->second.elements == mesh.elements),
@@ -113,6 +122,7 @@ void KnownRun::admit(const InterfaceFrame& a, const std::string& run, const Send
           a.interface, header_.interface_nodes_of[i], a.nodes_of);
   check_frame(a.frame);
   check_fields(a.fields, find_mesh(a.nodes_of));
+  if (!a.fields_on_other.empty()) check_fields(a.fields_on_other, find_mesh(header_.interface_others[i]));
 }
 
 void KnownRun::admit(const ToolFrame& a, const std::string& run, const Sender& sender) const {
@@ -128,8 +138,9 @@ void KnownRun::admit(const HistoryRow& a, const std::string& run, const Sender& 
        {&a.layer_kinetic, &a.layer_internal, &a.layer_residual, &a.votes, &a.step_seconds, &a.wait_seconds}) {
     require(list->empty() || list->size() == layers, "a history row of {} layers, not {}", list->size(), layers);
   }
-  require(a.interface_residual.empty() || a.interface_residual.size() == interfaces,
-          "a history row of {} interfaces, not {}", a.interface_residual.size(), interfaces);
+  for (const auto* list : {&a.interface_residual, &a.interface_friction})
+    require(list->empty() || list->size() == interfaces, "a history row of {} interfaces, not {}", list->size(),
+            interfaces);
 }
 
 void KnownRun::admit(const RunEnd& a, const std::string& run, const Sender& sender) const {

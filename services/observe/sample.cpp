@@ -61,6 +61,10 @@ std::vector<Field> get_fields(const Fields& from) {
 }
 
 RunHeader get(const sample::RunHeader& from) {
+  std::vector<ToolSurface> surfaces;
+  for (const sample::ToolSurface& s : from.tool_surfaces())
+    surfaces.push_back(
+        {get_triples<mechanics::NodalVectors>(s.nodes()), get_triples<mechanics::Triangles>(s.triangles())});
   return {.run = from.run(),
           .scene_text = from.scene_text(),
           .version = from.version(),
@@ -69,6 +73,8 @@ RunHeader get(const sample::RunHeader& from) {
           .interfaces = get<std::string>(from.interfaces()),
           .tools = get<std::string>(from.tools()),
           .interface_nodes_of = get<std::string>(from.interface_nodes_of()),
+          .interface_others = get<std::string>(from.interface_others()),
+          .tool_surfaces = std::move(surfaces),
           .frames = from.frames(),
           .history_capacity = from.history_capacity(),
           .nodes = get<std::int64_t>(from.nodes()),
@@ -98,17 +104,20 @@ InterfaceFrame get(const sample::InterfaceFrame& from) {
           .frame = from.frame(),
           .step = from.step(),
           .time = from.time(),
-          .fields = get_fields(from.fields())};
+          .fields = get_fields(from.fields()),
+          .fields_on_other = get_fields(from.fields_on_other())};
 }
 
 ToolFrame get(const sample::ToolFrame& from) {
-  if (from.force_size() != 3) throw std::invalid_argument(fmt::format("has a force of {} numbers", from.force_size()));
+  for (const int n : {from.force_size(), from.moment_size()})
+    if (n != 3) throw std::invalid_argument(fmt::format("has a force or moment of {} numbers", n));
   return {.tool = from.tool(),
           .frame = from.frame(),
           .step = from.step(),
           .time = from.time(),
           .position = from.position(),
-          .force = {from.force(0), from.force(1), from.force(2)}};
+          .force = {from.force(0), from.force(1), from.force(2)},
+          .moment = {from.moment(0), from.moment(1), from.moment(2)}};
 }
 
 HistoryRow get(const sample::HistoryRow& from) {
@@ -135,6 +144,7 @@ HistoryRow get(const sample::HistoryRow& from) {
   row.coordinator_step_seconds = from.coordinator_step_seconds();
   row.coordinator_wait_seconds = from.coordinator_wait_seconds();
   row.interface_residual = get<double>(from.interface_residual());
+  row.interface_friction = get<double>(from.interface_friction());
   return row;
 }
 
@@ -159,6 +169,12 @@ std::string encode_sample(const RunHeader& a) {
   put_texts(to.mutable_interfaces(), a.interfaces);
   put_texts(to.mutable_tools(), a.tools);
   put_texts(to.mutable_interface_nodes_of(), a.interface_nodes_of);
+  put_texts(to.mutable_interface_others(), a.interface_others);
+  for (const ToolSurface& s : a.tool_surfaces) {
+    sample::ToolSurface& surface = *to.add_tool_surfaces();
+    put(surface.mutable_nodes(), s.nodes);
+    put(surface.mutable_triangles(), s.triangles);
+  }
   to.set_frames(a.frames);
   to.set_history_capacity(a.history_capacity);
   put(to.mutable_nodes(), a.nodes);
@@ -198,6 +214,7 @@ std::string encode_sample(const InterfaceFrame& a) {
   to.set_step(a.step);
   to.set_time(a.time);
   put_fields(to.mutable_fields(), a.fields);
+  put_fields(to.mutable_fields_on_other(), a.fields_on_other);
   return whole.SerializeAsString();
 }
 
@@ -210,6 +227,7 @@ std::string encode_sample(const ToolFrame& a) {
   to.set_time(a.time);
   to.set_position(a.position);
   to.mutable_force()->Add(a.force, a.force + 3);
+  to.mutable_moment()->Add(a.moment, a.moment + 3);
   return whole.SerializeAsString();
 }
 
@@ -242,6 +260,7 @@ std::string encode_sample(const HistoryRow& a) {
   to.set_coordinator_step_seconds(a.coordinator_step_seconds);
   to.set_coordinator_wait_seconds(a.coordinator_wait_seconds);
   put(to.mutable_interface_residual(), a.interface_residual);
+  put(to.mutable_interface_friction(), a.interface_friction);
   return whole.SerializeAsString();
 }
 

@@ -74,11 +74,16 @@ void make_fields(const Handle& group, hsize_t frames, const std::vector<FieldSha
   }
 }
 
+void make_corners(const Handle& group, const mechanics::Triangles& t, const std::string& description) {
+  const Eigen::Array<int, Eigen::Dynamic, 3, Eigen::RowMajor> corners = t.transpose();
+  write_all(create_dataset(group, "triangles", H5T_NATIVE_INT, {static_cast<hsize_t>(t.cols()), 3}, "-", description),
+            corners.data());
+}
+
 void make_layer(const Handle& layers, hsize_t frames, const observe::LayerMesh& mesh,
                 const std::vector<FieldShape>* fields) {
   const Handle group = create_group(layers, to_path_name(mesh.layer));
   const auto n_nodes = static_cast<hsize_t>(mesh.reference.cols());
-  const auto n_elements = static_cast<hsize_t>(mesh.triangles.cols());
   write_attribute(group, "name", mesh.layer);
   make_text(group, "kind", mesh.kind, "fabric or metal");
   write_all(create_dataset(group, "initial_thickness", H5T_NATIVE_DOUBLE, {}, "mm", "thickness before forming"),
@@ -86,23 +91,28 @@ void make_layer(const Handle& layers, hsize_t frames, const observe::LayerMesh& 
   write_all(create_dataset(group, "reference", H5T_NATIVE_DOUBLE, {n_nodes, 3}, "mm",
                            "midsurface nodes of the flat blank; [node, xyz]"),
             put_components_last(mesh.reference).data());
-  const mechanics::Triangles& t = mesh.triangles;
-  const Eigen::Array<int, Eigen::Dynamic, 3, Eigen::RowMajor> corners = t.transpose();
-  write_all(create_dataset(group, "triangles", H5T_NATIVE_INT, {n_elements, 3}, "-",
-                           "node numbers, counter-clockwise seen from +z; [element, corner]"),
-            corners.data());
+  make_corners(group, mesh.triangles, "node numbers, counter-clockwise seen from +z; [element, corner]");
   if (!fields) return;
   create_dataset(group, "position", H5T_NATIVE_DOUBLE, {frames, n_nodes, 3}, "mm",
                  "midsurface nodes; [frame, node, xyz]");
   make_fields(group, frames, *fields);
 }
 
-void make_tool(const Handle& tools, hsize_t frames, const std::string& tool) {
+void make_tool(const Handle& tools, hsize_t frames, const std::string& tool, const observe::ToolSurface& surface) {
   const Handle group = create_group(tools, to_path_name(tool));
   write_attribute(group, "name", tool);
   create_dataset(group, "position", H5T_NATIVE_DOUBLE, {frames}, "mm", "z of the tool's reference point; [frame]");
   create_dataset(group, "force", H5T_NATIVE_DOUBLE, {frames, 3}, "N",
                  "contact force on the tool, modelled part; [frame, xyz]");
+  create_dataset(group, "moment", H5T_NATIVE_DOUBLE, {frames, 3}, "N mm",
+                 "moment of the contact forces on the tool about the origin; [frame, xyz]");
+  const Handle triangulated = create_group(group, "surface");
+  write_all(create_dataset(triangulated, "nodes", H5T_NATIVE_DOUBLE,
+                           {static_cast<hsize_t>(surface.nodes.cols()), 3}, "mm",
+                           "nodes of the surface relative to the reference point: add position to z; [node, xyz]"),
+            put_components_last(surface.nodes).data());
+  make_corners(triangulated, surface.triangles,
+               "node numbers, counter-clockwise seen from outside; [triangle, corner]");
 }
 
 void make_history(const Handle& file, const observe::RunHeader& header) {
@@ -143,24 +153,37 @@ void make_file(const Handle& file, const Layout& layout) {
     const Handle group = create_group(interfaces, to_path_name(name));
     write_attribute(group, "name", name);
     make_text(group, "nodes_of", header.interface_nodes_of[i], "layer whose nodes carry the fields");
-    const auto fields = layout.interface_fields.find(name);
-    if (fields != layout.interface_fields.end()) make_fields(group, frames, fields->second);
+    make_text(group, "other", header.interface_others[i], "layer or tool on the other side");
+    for (const auto* fields_of : {&layout.interface_fields, &layout.other_fields}) {
+      const auto fields = fields_of->find(name);
+      if (fields != fields_of->end()) make_fields(group, frames, fields->second);
+    }
   }
   const Handle tools = create_group(file, "tools");
-  for (const std::string& tool : header.tools) make_tool(tools, frames, tool);
+  for (std::size_t i = 0; i < header.tools.size(); ++i)
+    make_tool(tools, frames, header.tools[i], header.tool_surfaces[i]);
   make_history(file, header);
+}
+
+bool is_in(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 void check_meshes(const Layout& layout) {
   for (const auto& [layer, fields] : layout.layer_fields) check_fields(layer, layout.meshes.at(layer), fields);
   const observe::RunHeader& header = layout.header;
-  if (header.interface_nodes_of.size() != header.interfaces.size()) {
-    throw Misfit(fmt::format("the run's header names carriers of {} interfaces, not of {}",
-                                         header.interface_nodes_of.size(), header.interfaces.size()));
+  for (const auto* sides : {&header.interface_nodes_of, &header.interface_others}) {
+    if (sides->size() == header.interfaces.size()) continue;
+    throw Misfit(fmt::format("the run's header names the sides of {} interfaces, not of {}", sides->size(),
+                             header.interfaces.size()));
+  }
+  if (header.tool_surfaces.size() != header.tools.size()) {
+    throw Misfit(fmt::format("the run's header has surfaces of {} tools, not of {}", header.tool_surfaces.size(),
+                             header.tools.size()));
   }
   for (std::size_t i = 0; i < header.interfaces.size(); ++i) {
     const std::string& carrier = header.interface_nodes_of[i];
-    if (std::find(header.layers.begin(), header.layers.end(), carrier) == header.layers.end()) {
+    if (!is_in(header.layers, carrier)) {
       throw Misfit(fmt::format("interface '{}' is carried by '{}', which is no layer of the run",
                                            header.interfaces[i], carrier));
     }
@@ -168,6 +191,15 @@ void check_meshes(const Layout& layout) {
     const auto fields = layout.interface_fields.find(header.interfaces[i]);
     if (mesh != layout.meshes.end() && fields != layout.interface_fields.end()) {
       check_fields(fields->first, mesh->second, fields->second);
+    }
+    const auto other = layout.meshes.find(header.interface_others[i]);
+    const auto on_other = layout.other_fields.find(header.interfaces[i]);
+    if (on_other == layout.other_fields.end() || on_other->second.empty()) continue;
+    if (other != layout.meshes.end()) {
+      check_fields(on_other->first, other->second, on_other->second);
+    } else if (!is_in(header.layers, header.interface_others[i])) {
+      throw Misfit(fmt::format("interface '{}' has fields on '{}', which is no layer of the run", header.interfaces[i],
+                               header.interface_others[i]));
     }
   }
 }
@@ -182,8 +214,12 @@ void check_layout(const Layout& layout) {
   check_meshes(layout);
   for (const auto* fields_of : {&layout.layer_fields, &layout.interface_fields}) {
     for (const auto& [owner, fields] : *fields_of) {
-      std::vector<std::string> names = {"kind", "initial_thickness", "reference", "triangles", "position", "nodes_of"};
+      std::vector<std::string> names = {"kind",      "initial_thickness", "reference", "triangles",
+                                        "position", "nodes_of",          "other"};
       for (const FieldShape& f : fields) names.push_back(f.name);
+      const auto on_other = layout.other_fields.find(owner);
+      if (fields_of == &layout.interface_fields && on_other != layout.other_fields.end())
+        for (const FieldShape& f : on_other->second) names.push_back(f.name);
       check_names(names, ("'" + owner + "': field").c_str());
     }
   }
@@ -270,7 +306,9 @@ std::string RecordFile::describe_mismatch(const observe::InterfaceFrame& frame) 
   if (fields == layout_.interface_fields.end()) {
     return fmt::format("interface '{}' has no first frame", frame.interface);
   }
-  return describe_fields(frame.interface, frame.fields, fields->second);
+  const std::string problem = describe_fields(frame.interface, frame.fields, fields->second);
+  if (!problem.empty()) return problem;
+  return describe_fields(frame.interface, frame.fields_on_other, layout_.other_fields.at(frame.interface));
 }
 
 const Handle& RecordFile::dataset(const std::string& path) {
@@ -294,12 +332,14 @@ void RecordFile::write(const observe::LayerFrame& frame) {
 
 void RecordFile::write(const observe::InterfaceFrame& frame) {
   write_fields(interface_group(frame.interface), frame.frame, frame.fields);
+  write_fields(interface_group(frame.interface), frame.frame, frame.fields_on_other);
 }
 
 void RecordFile::write(const observe::ToolFrame& frame) {
   const std::string group = tool_group(frame.tool);
   write_row(dataset(group + "/position"), frame.frame, std::vector{frame.position});
   write_row(dataset(group + "/force"), frame.frame, {frame.force, frame.force + 3});
+  write_row(dataset(group + "/moment"), frame.frame, {frame.moment, frame.moment + 3});
 }
 
 void RecordFile::write(std::span<const observe::HistoryRow> rows, int first) {

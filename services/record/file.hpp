@@ -46,6 +46,7 @@ struct Layout {
   std::map<std::string, observe::LayerMesh> meshes;                 ///< by layer
   std::map<std::string, std::vector<FieldShape>> layer_fields;      ///< by layer
   std::map<std::string, std::vector<FieldShape>> interface_fields;  ///< by interface
+  std::map<std::string, std::vector<FieldShape>> other_fields;  ///< at the nodes of its other layer, by interface
 };
 
 class RecordFile {

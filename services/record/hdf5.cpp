@@ -6,18 +6,28 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <string_view>
 
 namespace interply::record {
 namespace {
 
-/// Keeps HDF5 from printing its error stack: check() reports errors.
-void silence() {
-  static const bool done = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+/// Keeps HDF5 from printing its error stack: check() reports errors. And from closing files once more when the process
+/// ends, which crashes for a file that a full disk has not let it close; every Handle closes its own.
+void prepare() {
+  static const bool done = H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
   (void)done;
 }
 
+/// What the system said, of a description that quotes it: "..., error message = 'No space left on device', ...".
+std::string find_system_error(const std::string& description) {
+  constexpr std::string_view kBefore = "error message = '";
+  const std::size_t begin = description.find(kBefore), end = description.find('\'', begin + kBefore.size());
+  if (begin == std::string::npos || end == std::string::npos) return description;
+  return description.substr(begin + kBefore.size(), end - begin - kBefore.size());
+}
+
 herr_t keep_innermost(unsigned n, const H5E_error2_t* error, void* reason) {
-  if (n == 0) *static_cast<std::string*>(reason) = error->desc ? error->desc : "";
+  if (n == 0) *static_cast<std::string*>(reason) = find_system_error(error->desc ? error->desc : "");
   return 0;
 }
 
@@ -93,14 +103,14 @@ hid_t check(hid_t result, const std::string& action) {
 }
 
 Handle create_file(const std::filesystem::path& path) {
-  silence();
+  prepare();
   const Handle access = make_access(true);
   return Handle(
       check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), fmt::format("create {}", path.string())));
 }
 
 Handle open_file(const std::filesystem::path& path, bool writable) {
-  silence();
+  prepare();
   const Handle access = make_access(writable);
   return Handle(check(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access.id()),
                       fmt::format("open {}", path.string())));

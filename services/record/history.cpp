@@ -42,6 +42,8 @@ const std::array kLists = {
                &HistoryRow::step_seconds},
     ListColumn{"wait_seconds", "s", "of that, waiting for the coordinator", &HistoryRow::wait_seconds},
     ListColumn{"interface_residual", "mJ", "energy residual of each interface", &HistoryRow::interface_residual, true},
+    ListColumn{"interface_friction", "mJ", "work dissipated by friction at each interface",
+               &HistoryRow::interface_friction, true},
 };
 
 }  // namespace

@@ -135,6 +135,7 @@ struct RecordWriter::Impl {
   std::optional<RecordFile> file;
   std::optional<Sidecar> sidecar;
   Attendance attendance;
+  std::map<int, std::map<std::string, double>> tool_positions;  ///< of frames that are not shown yet, mm
   int frames = 0;                ///< complete and in the file
   std::vector<HistoryRow> rows;  ///< that wait to be written
   int rows_written = 0;
@@ -168,7 +169,10 @@ struct RecordWriter::Impl {
     check_fields(f.layer, layout.meshes.at(f.layer), fields);
     layout.layer_fields.try_emplace(f.layer, fields);
   }
-  void learn(const InterfaceFrame& f) { layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields)); }
+  void learn(const InterfaceFrame& f) {
+    layout.interface_fields.try_emplace(f.interface, shapes_of(f.fields));
+    layout.other_fields.try_emplace(f.interface, shapes_of(f.fields_on_other));
+  }
   void learn(const ToolFrame&) {}
 
   void create_file() {
@@ -196,6 +200,7 @@ struct RecordWriter::Impl {
     attendance.check(f);
     if (f.frame == 0) learn(f);
     attendance.note(f);
+    if constexpr (std::is_same_v<F, ToolFrame>) tool_positions[f.frame][f.tool] = f.position;
     if (file) {
       store(f);
     } else {
@@ -225,7 +230,8 @@ struct RecordWriter::Impl {
     write_rows();
     for (; attendance.is_complete(frames); ++frames) {
       file->complete_frame(frames, attendance.time(frames), attendance.step(frames));
-      sidecar->show(frames, attendance.time(frames));
+      sidecar->show(frames, attendance.time(frames), tool_positions[frames]);
+      tool_positions.erase(frames);
     }
   }
 

@@ -24,8 +24,8 @@ class RecordWriter : public observe::Sink {
  public:
   /// @param file       e.g. run/record.h5; the sidecar is run/record.xdmf. Folders are made, and an existing record is
   ///                   removed, when the header comes
-  /// @param overwrite  an existing record may be replaced
-  /// @throws std::runtime_error if there is a record already and `overwrite` is false
+  /// @param overwrite  an existing record may be replaced, but nothing that no run wrote
+  /// @throws FolderRefused (run_folder.hpp) if something is in the way
   explicit RecordWriter(const std::filesystem::path& file, bool overwrite = false);
   /// close(), errors go to the log.
   ~RecordWriter() override;

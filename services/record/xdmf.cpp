@@ -4,7 +4,9 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <system_error>
@@ -104,6 +106,47 @@ std::string make_instant(const Source& source, const GridSource& grid, int frame
   return text + "</Grid>\n";
 }
 
+/// The surface of a tool, which moves along z.
+struct ToolSource {
+  std::string name;
+  const observe::ToolSurface* surface;
+};
+
+/// Coordinate `axis` of the nodes of a tool's surface.
+std::string make_coordinate(const Source& source, const std::string& group, std::size_t n_nodes, int axis,
+                            const std::string& instruction = "") {
+  return fmt::format(
+      R"(<DataItem ItemType="HyperSlab" Dimensions="{0}">{1}<DataItem Dimensions="3 2" Format="XML">0 {2} 1 1 {0} 1)"
+      R"(</DataItem><DataItem Format="HDF" NumberType="Float" Precision="8" Dimensions="{0} 3">{3}:/{4}/nodes</DataItem>)"
+      "</DataItem>",
+      n_nodes, instruction, axis, escape(source.record), escape(group));
+}
+
+/// @param z  of the reference point, mm. It is part of the text: VTK 9 adds numbers to arrays, but no part of one array
+///           to another
+std::string make_instant(const Source& source, const ToolSource& tool, int frame, double time, double z) {
+  const std::string group = "tools/" + to_path_name(tool.name) + "/surface";
+  const auto n = static_cast<std::size_t>(tool.surface->nodes.cols());
+  const std::string identity = fmt::format("<?interply {} {}?>", escape(group), frame);
+  constexpr double kFar = 1e6;  // mm
+  return fmt::format(
+      "<Grid Name=\"{0} {1}\" GridType=\"Uniform\"><Time Value=\"{2}\"/>\n"
+      "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{3}\"><DataItem Format=\"HDF\" NumberType=\"Int\" "
+      "Precision=\"4\" Dimensions=\"{3} 3\">{4}:/{5}/triangles</DataItem></Topology>\n"
+      "<Geometry GeometryType=\"X_Y_Z\">{6}{7}<DataItem ItemType=\"Function\" Function=\"$0 {8} {9:.9f}\" "
+      "Dimensions=\"{10}\">{11}</DataItem></Geometry>\n</Grid>\n",
+      escape(tool.name), frame, time, tool.surface->triangles.cols(), escape(source.record), escape(group),
+      make_coordinate(source, group, n, 0, identity), make_coordinate(source, group, n, 1), z < 0 ? '-' : '+',
+      std::min(std::abs(z), kFar), n, make_coordinate(source, group, n, 2));
+}
+
+std::vector<ToolSource> list_tools(const Layout& layout) {
+  std::vector<ToolSource> tools;
+  for (std::size_t i = 0; i < layout.header.tools.size(); ++i)
+    tools.push_back({layout.header.tools[i], &layout.header.tool_surfaces.at(i)});
+  return tools;
+}
+
 /// None if the run ended before everyone's first frame.
 std::vector<GridSource> list_grids(const Layout& layout) {
   std::vector<GridSource> grids;
@@ -132,10 +175,11 @@ std::string fill_up(std::string text) {
   return text;
 }
 
-/// Room for any frame of a grid.
-std::size_t measure_place(const Source& source, const GridSource& grid) {
-  const std::string longest =
-      make_instant(source, grid, static_cast<int>(source.frames) - 1, -std::numeric_limits<double>::min() * (1 + 1e-15));
+/// Room for any frame of a grid. @param z  longest of a tool
+template <typename Grid, typename... Z>
+std::size_t measure_place(const Source& source, const Grid& grid, Z... z) {
+  const double longest_time = -std::numeric_limits<double>::min() * (1 + 1e-15);
+  const std::string longest = make_instant(source, grid, static_cast<int>(source.frames) - 1, longest_time, z...);
   return fill_up(std::string(kHide) + longest + std::string(kHideEnd) + '\n').size();
 }
 
@@ -164,15 +208,19 @@ Sidecar::Sidecar(const std::filesystem::path& path, const std::string& record, c
     size += text.size();
   };
   add("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n");
-  for (const GridSource& grid : list_grids(layout)) {
+  const auto add_collection = [&](const std::string& name, std::size_t size_of_place) {
     const std::string begin =
-        fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", escape(grid.name));
+        fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", escape(name));
     add(std::string((kAlignment - (size + begin.size()) % kAlignment) % kAlignment, '\n') + begin);
-    places_.push_back({size, measure_place(source, grid)});
-    const std::string place = make_empty_place(places_.back().size);
+    places_.push_back({size, size_of_place});
+    const std::string place = make_empty_place(size_of_place);
     for (std::size_t k = 0; k < source.frames; ++k) add(place);
     add("</Grid>\n");
-  }
+  };
+  const std::vector<GridSource> grids = list_grids(layout);
+  for (const GridSource& grid : grids) add_collection(grid.name, measure_place(source, grid));
+  if (!grids.empty())
+    for (const ToolSource& tool : list_tools(layout)) add_collection(tool.name, measure_place(source, tool, -1e6));
   add("</Domain>\n</Xdmf>\n");
   file.close();
   if (!file) {
@@ -190,12 +238,15 @@ Sidecar::~Sidecar() {
   if (file_ >= 0) ::close(file_);
 }
 
-void Sidecar::show(int frame, double time) {
+void Sidecar::show(int frame, double time, const std::map<std::string, double>& tool_positions) {
   const Source source{record_, static_cast<std::size_t>(layout_.header.frames) + 1};
-  const std::vector<GridSource> grids = list_grids(layout_);
-  for (std::size_t i = 0; i < grids.size(); ++i) {
+  std::vector<std::string> texts;
+  for (const GridSource& grid : list_grids(layout_)) texts.push_back(make_instant(source, grid, frame, time));
+  for (const ToolSource& tool : list_tools(layout_))
+    texts.push_back(make_instant(source, tool, frame, time, tool_positions.at(tool.name)));
+  for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::size_t at = places_[i].begin + places_[i].size * static_cast<std::size_t>(frame);
-    write(make_instant(source, grids[i], frame, time), at + kHide.size());
+    write(texts[i], at + kHide.size());
     write(std::string(kHide.size(), ' '), at);  // what is left of the comment is text: -->
     write(std::string(kHideEnd.size(), ' '), at + places_[i].size - 1 - kHideEnd.size());
   }

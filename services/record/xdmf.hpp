@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace interply::record {
 
 /// XDMF 2 text: a temporal collection per layer, then one per interface on the deformed nodes of the layer that carries
-/// it. (A temporal collection of spatial ones would give the blocks of VTK another name in every frame.) All numbers
+/// it, then one per tool. (A temporal collection of spatial ones would give the blocks of VTK another name in every frame.) All numbers
 /// stay in the HDF5 file.
 ///
 /// The file has its full size from the start, a place for every frame in every collection, so that a frame costs the
@@ -25,8 +26,8 @@ class Sidecar {
   Sidecar(const Sidecar&) = delete;
   Sidecar& operator=(const Sidecar&) = delete;
 
-  /// @param time  of the frame, s. @throws std::runtime_error
-  void show(int frame, double time);
+  /// @param time  of the frame, s   @param tool_positions  of each tool, mm   @throws std::runtime_error
+  void show(int frame, double time, const std::map<std::string, double>& tool_positions);
 
  private:
   /// Where the places of a collection are.

@@ -161,7 +161,9 @@ std::string describe(Value::Kind kind) {
 
 Value parse_yaml(const std::string& text, const std::string& origin, Report& report) {
   try {
-    std::istringstream stream(text);
+    std::string lines = text;
+    if (lines.find('\n') == lines.npos) std::replace(lines.begin(), lines.end(), '\r', '\n');
+    std::istringstream stream(lines);
     YAML::Parser parser(stream);
     TreeBuilder first(origin, report), rest(origin, report);
     parser.HandleNextDocument(first);

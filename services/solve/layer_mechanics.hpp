@@ -11,6 +11,7 @@
 #include "mechanics/mesh.hpp"
 #include "observe/frames.hpp"
 #include "scene/scene.hpp"
+#include "solve/trust.hpp"
 
 namespace interply::solve {
 
@@ -45,6 +46,13 @@ class LayerMechanics {
 
   /// Fields of a frame, without the position.
   virtual std::vector<observe::Field> compute_fields(const mechanics::NodalVectors& position) const = 0;
+
+  /// Limits of what may be believed of this layer, and the quantities that they are for, of every element
+  /// [n_limits x n_elements]. Evaluated at frames and at the end.
+  virtual std::vector<TrustLimit> trust_limits() const { return {}; }
+  virtual Eigen::ArrayXXd compute_trust_quantities(const mechanics::NodalVectors& position) const {
+    return Eigen::ArrayXXd(0, position.cols());
+  }
 
   /// The few numbers a person wants at the end (largest shear angle, thinning, ...).
   virtual std::vector<exchange::SummaryItem> summarise(const mechanics::NodalVectors& position) const = 0;

@@ -8,6 +8,7 @@ LayerRun::LayerRun(const scene::Scene& scene, int layer, const mechanics::Triang
       layer_(layer),
       mesh_(mesh),
       mechanics_(std::move(mechanics)),
+      trust_(mechanics_->trust_limits(), mesh),
       mass_(mechanics::compute_lumped_mass(
           mesh, scene.layers[static_cast<std::size_t>(layer)].thickness,
           scene.layers[static_cast<std::size_t>(layer)].density * scene.time.mass_scaling)),
@@ -51,21 +52,28 @@ observe::LayerMesh LayerRun::describe_mesh() const {
           .triangles = mesh_.triangles};
 }
 
-observe::LayerFrame LayerRun::describe_frame(int frame) const {
+observe::LayerFrame LayerRun::describe_frame(int frame) {
+  trust_.note(time_, mechanics_->compute_trust_quantities(motion_.position));
+  std::vector<observe::Field> fields = mechanics_->compute_fields(motion_.position);
+  fields.push_back(trust_.describe());
   return {.layer = scene_.layers[static_cast<std::size_t>(layer_)].name,
           .frame = frame,
           .step = motion_.step,
           .time = time_,
           .position = motion_.position,
-          .fields = mechanics_->compute_fields(motion_.position)};
+          .fields = std::move(fields)};
 }
 
-exchange::Final LayerRun::describe_end() const {
+exchange::Final LayerRun::describe_end() {
+  trust_.note(time_, mechanics_->compute_trust_quantities(motion_.position));
   mechanics::Digest digest;
   digest.add(motion_.position);
   digest.add(nodes_.velocity);
   mechanics_->add_state_to(digest);
-  return {.digest = digest.value(), .energies = energies_, .summary = mechanics_->summarise(motion_.position)};
+  return {.digest = digest.value(),
+          .energies = energies_,
+          .summary = mechanics_->summarise(motion_.position),
+          .outside_trust = trust_.list_passed()};
 }
 
 }  // namespace interply::solve

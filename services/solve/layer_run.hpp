@@ -22,14 +22,15 @@ class LayerRun {
   void kick(const exchange::Force& force);  ///< v(n - 1/2) -> v(n + 1/2), energies at n
 
   observe::LayerMesh describe_mesh() const;
-  observe::LayerFrame describe_frame(int frame) const;
-  exchange::Final describe_end() const;
+  observe::LayerFrame describe_frame(int frame);
+  exchange::Final describe_end();
 
  private:
   const scene::Scene& scene_;
   int layer_;
   const mechanics::TriangleMesh& mesh_;
   std::unique_ptr<LayerMechanics> mechanics_;
+  TrustBook trust_;
   mechanics::Scalars mass_;
   mechanics::NodalMotion nodes_;
   mechanics::NodalVectors internal_force_;

@@ -17,6 +17,7 @@
 #include "scene/read_scene.hpp"
 #include "solve/link_sink.hpp"
 #include "solve/session.hpp"
+#include "solve/watch.hpp"
 
 namespace interply::solve {
 
@@ -71,11 +72,9 @@ int integrate_layer(const std::string& address, const std::string& layer_name, c
   const scene::Scene scene = scene::parse_scene(welcome.scene_text, "scene of the coordinator");
   const int layer = find_layer(scene, layer_name);
   std::cout << "joined " << address << " as " << layer_name << " of run " << welcome.run << std::endl;
+  check_network(scene);
   observe::TeeSink sink(std::make_unique<LinkSink<exchange::SolverLink>>(*link, layer_name),
-                        observe::make_watch_sink(scene.record.frames > 0, {.network = scene.observe.network,
-                                                                           .multicast = scene.observe.multicast,
-                                                                           .domain = scene.observe.domain,
-                                                                           .run = welcome.run}));
+                        observe::make_watch_sink(scene.record.frames > 0, make_dds_options(scene, welcome.run)));
   const int exit_code = say_how_it_ends([&] {
     run_session(scene, layer, make_layer, *link, sink);
     return 0;

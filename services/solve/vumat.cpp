@@ -37,10 +37,10 @@ using Entry = void (*)(const int* jblock, const int* ndir, const int* nshr, cons
 /// Routines that Abaqus/Explicit calls beside a VUMAT, and on which its results depend.
 constexpr const char* kNeeded[] = {"vexternaldb", "vusdfld", "vufield", "vucharlength", "vuexpan", "vumatht"};
 /// Routines of other jobs that may lie in the same file.
-constexpr const char* kOthers[] = {"vuhard",     "vuanisohyper_inv", "vuanisohyper_strain", "vuel",         "vuinter",
-                                   "vdload",     "vdisp",            "vuamp",               "vfric",        "vfriction",
-                                   "vfric_coef", "vfabric",          "vuinteraction",       "vuviscosity", "vucreepnetwork",
-                                   "vuhyperel",  "vueos",            "vwave",               "vuflux"};
+constexpr const char* kOthers[] = {"vuhard", "vuanisohyper_inv", "vuanisohyper_strain", "vuhyperel",  "vueos",
+                                   "vfabric", "vucreepnetwork",  "vuviscosity",         "vuel",       "vuinter",
+                                   "vdload", "vdisp",            "vuamp",               "vfric",      "vfric_coef",
+                                   "vwave",  "vuflux",           "vfriction",           "vuinteraction"};
 
 /// Layers that share a process may share a library, whose author knows of one thread.
 std::mutex& one_at_a_time() {
@@ -156,8 +156,8 @@ constexpr double fence(int argument) { return 1.0 / (17 + argument); }
 
 }  // namespace
 
-/// Arguments of one call with the leading dimension n: component c of point i at i + c n. Between the arrays lie fences,
-/// as wide as kFencedColumns further components, so that what is written beyond an array is seen and harms nothing.
+/// Arguments of one call with the leading dimension n: component c of point i at i + c n. Between the arrays lie
+/// fences, as wide as kFencedColumns further components: what is written beyond an array is seen and harms nothing.
 struct VumatPoints::Block {
   static constexpr int kFencedColumns = 32;
 
@@ -225,11 +225,12 @@ struct VumatPoints::Block {
   }
 
   std::string describe_breach(int k) const {
-    const char* name = kNames[k];
-    if (per_point[k] == 0 || k == Props) return fmt::format("outside its argument {}, which has {}", name, constant[k]);
-    return fmt::format("outside its argument {}, which has {} {}", name, per_point[k],
-                       k == StateNew || k == StateOld ? "state variables (law.vumat.state_variables)"
-                                                      : "components (ndir 3, nshr 1: shells and membranes)");
+    const std::string outside = fmt::format("writes outside its argument {}, which has ", kNames[k]);
+    if (k == StateOld || k == StateNew)
+      return outside + fmt::format("{} per point; set law.vumat.state_variables to what the law uses", per_point[k]);
+    if (per_point[k] == 0) return outside + fmt::format("{} values; correct the law", constant[k]);
+    return outside + fmt::format("{} components; correct the law: it must obey ndir 3, nshr 1 of shells and membranes",
+                                 per_point[k]);
   }
 };
 
@@ -332,7 +333,7 @@ void VumatPoints::check_fences(Eigen::Index first, int n) const {
   int breach = block_->find_breach();
   if (breach < 0 && first + n == size()) breach = block_->find_far_breach();
   if (breach < 0) return;
-  throw mechanics::Divergence(fmt::format("{} writes {}; correct the law", law_.text, block_->describe_breach(breach)));
+  throw mechanics::Divergence(fmt::format("{} {}", law_.text, block_->describe_breach(breach)));
 }
 
 Matrix2 VumatPoints::called_stress(int i) const {
@@ -429,7 +430,9 @@ std::vector<std::string> VumatPoints::examine() {
   const auto prepare = [&](Eigen::Index first, Eigen::Index e, int n, int k) {
     for (int i = 0; i < n; ++i) {
       const Matrix2 u = make_stretch(e + i, k);
-      increments[static_cast<std::size_t>(i)] = compute_vumat_increment(stretch(first + i), u * u);
+      auto& increment = increments[static_cast<std::size_t>(i)];
+      increment = compute_vumat_increment(stretch(first + i), u * u);
+      increment.position = {1.0 + static_cast<double>(e + i), 2, 3};
     }
   };
   const auto at_step = [](int k) { return Instant{.time = k * kProbeIncrement, .dt = kProbeIncrement}; };
@@ -441,7 +444,7 @@ std::vector<std::string> VumatPoints::examine() {
     const std::vector<double> given = b.words;
     invoke();
     if (const int breach = b.find_any_breach(); breach >= 0)
-      refuse(fmt::format("writes {}; correct the law", b.describe_breach(breach)));
+      refuse(b.describe_breach(breach));
     for (int a = 0; a < kArguments; ++a)
       if (std::find(std::begin(kWritten), std::end(kWritten), a) == std::end(kWritten))
         changed[a] |= !std::equal(b.array(a), b.array(a) + b.count(a), given.data() + b.start[a]);
@@ -455,8 +458,8 @@ std::vector<std::string> VumatPoints::examine() {
     }
     if (normal > kPlane * in_plane)
       refuse(fmt::format("gives the stress 33 of {:.3g} MPa beside {:.3g} MPa in the plane: it is written for solids, "
-                         "but laws of shells and membranes are plane stress (ndir 3, nshr 1); let it give stressNew(:,3) "
-                         "= 0 and leave the thickness strain in strainInc(:,3)",
+                         "but laws of shells and membranes are plane stress (ndir 3, nshr 1); let it give "
+                         "stressNew(:,3) = 0 and leave the thickness strain in strainInc(:,3)",
                          normal, in_plane));
     advance(first, n, increments.data(), at_step(k));
   };

@@ -29,9 +29,9 @@
 /// (VEXTERNALDB, VUSDFLD, ...) are refused by name, others named in a warning; vumat_utilities.hpp lists what a law
 /// may call. What differs from solids, and where we had to choose:
 ///
-/// - **Basis.** With F = R U in the tangent plane, vectors and tensors are components in R e1, R e2, normal, with e1 the
-///   warp (or rolling direction) and e2 across it in the reference plane: the polar (Green-Naghdi) frame. In it F is
-///   symmetric.
+/// - **Basis.** With F = R U in the tangent plane, vectors and tensors are components in R e1, R e2, normal, with e1
+///   the warp (or rolling direction) and e2 across it in the reference plane: the polar (Green-Naghdi) frame. In it F
+///   is symmetric.
 /// - **Strain.** strainInc holds tensor components of the increment of the logarithmic strain, of second order,
 ///       de = Um^-1 (C_new - C_old)/2 Um^-1,   Um^2 = (C_old + C_new)/2                                   (V1)
 ///   relSpinInc is the 3-component of the rotation of the material relative to the frame, skew(dU Um^-1).

@@ -42,8 +42,8 @@ void write_line(int to, const std::string& line) {
 }
 
 /// The child's whole life.
-[[noreturn]] void examine_law(const scene::VumatLaw& law, const std::string& layer, double density, int said, int report,
-                              pid_t parent) {
+[[noreturn]] void examine_law(const scene::VumatLaw& law, const std::string& layer, double density, int said,
+                              int report, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   const rlimit no_core{};
@@ -114,7 +114,7 @@ std::string quote_last_lines(const std::string& said) {
 std::vector<std::string> probe_vumat(const scene::VumatLaw& law, const std::string& layer, double density,
                                      double limit) {
   using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit));
+  const auto start = Clock::now();
   Pipe output, report;
   std::fflush(nullptr);  // what is still unwritten is the parent's
   const pid_t parent = getpid();
@@ -133,7 +133,7 @@ std::vector<std::string> probe_vumat(const scene::VumatLaw& law, const std::stri
     if (running) poll(watched.data(), watched.size(), 10);
     output.read_into(said);
     report.read_into(reported);
-    if (running && !late && Clock::now() > deadline) {
+    if (running && !late && Clock::now() - start > std::chrono::duration<double>(limit)) {
       late = true;
       kill(child, SIGKILL);
     }

@@ -1,4 +1,4 @@
-/// Utility routines of Abaqus/Explicit that a user's own law may call; exported by our programs for its library to find.
+/// Utility routines of Abaqus/Explicit that a user's own law may call: our programs export them to its library.
 ///
 ///   xplb_abqerr(lop, text, intv, realv, charv)  prints the text, %I, %R and %S filled in from the arrays; -3 ends
 ///   xplb_exit()                                 ends the run, as STOP does

@@ -46,7 +46,8 @@ double compare(const Array& a, const Array& b) {
 
 double compare(const Points& a, const Points& b) {
   double largest = 0;
-  for (const auto field : {&Points::gap, &Points::weight, &Points::pressure, &Points::slip, &Points::height})
+  for (const auto field : {&Points::gap, &Points::weight, &Points::pressure, &Points::slip, &Points::friction_work,
+                           &Points::height})
     largest = std::max(largest, compare(a.*field, b.*field));
   return std::max(largest, compare(a.stick, b.stick));
 }

@@ -73,7 +73,7 @@ TEST(LayerInterface, RigidRotationOfAPressedPairNeitherSlipsNorWorksAndTurnsTheF
     const NodalVectors start = interface.force_on_lower();
     const Scalars slip = interface.points().slip;
     const InterfaceEnergies before = interface.energies();
-    ASSERT_GT(interface.points().traction().abs().maxCoeff(), 0.1);
+    ASSERT_GT(interface.points().acting_traction().abs().maxCoeff(), 0.1);
     const Vector3 axis = Vector3(0.3, -0.5, 0.8).normalized();
     for (int n = 1; n <= steps; ++n) {
       const Eigen::AngleAxisd turn(M_PI / 2 * n / steps, axis);
@@ -143,7 +143,7 @@ TEST(ToolInterface, ForceAndMomentOnTheToolAreMinusThoseOnTheLayer) {
     Moment moment;
     moment.add(sheet.geometry.positions(), interface.force_on_layer());
     EXPECT_GT(tool.force.norm(), 1);
-    EXPECT_GT(interface.points().traction().abs().maxCoeff(), 0.1);
+    EXPECT_GT(interface.points().acting_traction().abs().maxCoeff(), 0.1);
     EXPECT_LT((total(interface.force_on_layer()) + tool.force).norm(), 1e-12 * tool.force.norm());
     EXPECT_LT((moment.sum + tool.moment).norm(), 1e-12 * moment.scale);
   }

@@ -47,10 +47,10 @@ TEST(ContactPoint, SticksBelowAndSlidesAboveTheFrictionLimit) {
   advance(kLaw, p, pressed(0.004, Vector3::Zero()), e);
   advance(kLaw, p, pressed(0.004, Vector3(0.0009, 0, 0)), e);  // 0.45 MPa < 0.25 * 2
   EXPECT_EQ(p.state(0), static_cast<int>(State::Stick));
-  EXPECT_NEAR(p.traction()(0, 0), -0.45, 1e-12);
+  EXPECT_NEAR(p.acting_traction()(0, 0), -0.45, 1e-12);
   advance(kLaw, p, pressed(0.004, Vector3(0.0011, 0, 0)), e);  // would be 1.0 MPa
   EXPECT_EQ(p.state(0), static_cast<int>(State::Slide));
-  EXPECT_NEAR(p.traction()(0, 0), -0.5, 1e-12);
+  EXPECT_NEAR(p.acting_traction()(0, 0), -0.5, 1e-12);
   EXPECT_NEAR(p.slip(0), 0.001, 1e-12);
 }
 

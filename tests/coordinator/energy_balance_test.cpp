@@ -42,6 +42,19 @@ TEST(EnergyBalance, EveryTermEntersOnceWithItsSign) {
   EXPECT_DOUBLE_EQ(b.interface_residual[1], 0);
 }
 
+/// A laminate of 2 kg under a punch of 3 m/s holds 9 J; 50 kN on 100 kN/mm store 12.5 J.
+TEST(EnergyBalance, TheLeastScaleIsWhatPunchAndHolderPutIntoAnyLaminate) {
+  EXPECT_DOUBLE_EQ(compute_least_scale(2e-3, 3e3, 0, 1e5), 9e3);
+  EXPECT_DOUBLE_EQ(compute_least_scale(2e-3, 0, 50e3, 1e5), 12.5e3);
+  EXPECT_DOUBLE_EQ(compute_least_scale(2e-3, 3e3, 50e3, 1e5), 21.5e3);
+}
+
+TEST(EnergyBalance, TheLeastScaleIsNeverNextToNothing) {
+  EXPECT_EQ(compute_least_scale(2e-3, 0, 0, 1e5), 1);      // nothing moves, nothing is pressed
+  EXPECT_EQ(compute_least_scale(1e-9, 1e-3, 0, 1e5), 1);   // a crumb at a snail's pace
+  EXPECT_EQ(compute_least_scale(2e-3, 0, 0, 0), 1);        // a stack without a flange
+}
+
 TEST(EnergyBalance, AssemblingAgainDoesNotAddUp) {
   EnergyBalance b;
   assemble_balance(kLayers, make_own(), b);

@@ -1,7 +1,17 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 
 #include "coordinator/scripted_link.hpp"
+#include "coordinator/verdict.hpp"
+#include "support/own_tools.hpp"
 
 namespace {
 
@@ -33,26 +43,146 @@ TEST(ProgressLine, SaysWhoIsWaitedForAndNoUnknownTime) {
 
 TEST(ProgressLine, LongTimesAreInHours) { EXPECT_THAT(format_progress({.seconds_left = 3725}), HasSubstr("1:02:05")); }
 
-TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
+/// A scripted run to its end, every layer with these words of its own.
+void run_to_the_end(test::ScriptedRun& run, const std::function<exchange::Final(int who)>& make_final) {
   scene::Scene scene = test::read_flat_stack({"motion.forming_time=2e-5", "tools.blank_holder.ramp=1e-5"});
   scene.time.energy_limit = 1e9;
   test::ScriptedLink link(scene);
   link.everyone_joins_and_moves();
   link.on_answer = [&](int who, const exchange::Force& force) {
     if (!force.last) return link.answer(who, force);
-    link.push({.kind = exchange::Event::Kind::Ended,
-               .who = who,
-               .final = {.digest = 1, .summary = {{"shear angle up to", "deg", 12.5 + who}, {"count", "1", 3}}}});
+    link.push({.kind = exchange::Event::Kind::Ended, .who = who, .final = make_final(who)});
   };
-  test::ScriptedRun run;
   run.run(scene, link);
+}
+
+/// What python's json reads: a line "path value" for every leaf, sorted.
+std::string read_with_python(const std::string& json) {
+  const auto file = std::filesystem::path(testing::TempDir()) / ("summary_" + std::to_string(getpid()) + ".json");
+  std::ofstream(file) << json;
+  const std::string program =
+      "import json, sys\n"
+      "def walk(path, x):\n"
+      "    items = x.items() if isinstance(x, dict) else enumerate(x) if isinstance(x, list) else None\n"
+      "    if items is None: print(path, x)\n"
+      "    else: [walk(path + \"/\" + str(k), v) for k, v in items]\n"
+      "walk(\"\", json.load(open(sys.argv[1])))\n";
+  const std::string command = "python3 -c '" + program + "' '" + file.string() + "' 2>&1";
+  std::string text;
+  FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 256> buffer;
+  while (pipe && fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
+  EXPECT_EQ(pclose(pipe), 0) << text;
+  std::filesystem::remove(file);
+  return text;
+}
+
+TEST(Summary, JsonHoldsEveryNumberOfTheTextWithItsUnit) {
+  test::ScriptedRun run;
+  run_to_the_end(run, [](int who) {
+    return exchange::Final{.digest = 1, .summary = {{"shear angle \"up\" to", "deg", 12.5 + who}, {"count", "-", 3}}};
+  });
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
+  EXPECT_EQ(run.sink.end.summary, run.outcome.summary_json);
+  const std::string leaves = read_with_python(run.outcome.summary_json);
+  const char* const expected[] = {
+      "/interply 0.1.0\n", "/scene flat_stack\n", "/modelled_part half model\n", "/stroke/value 0", "/stroke/unit mm\n",
+      "/time/value 0.03", "/time/unit ms\n", "/steps/unit -\n", "/wall_time/unit s\n",
+      "/element_steps_per_second/unit 1/s\n", "/layers/0/name sheet_lower\n", "/layers/0/kind metal\n",
+      "/layers/2/name ply_2\n", "/layers/2/kind fabric\n", "/layers/2/items/0/name shear angle \"up\" to\n",
+      "/layers/2/items/0/quantity/value 14.5\n", "/layers/2/items/0/quantity/unit deg\n",
+      "/layers/4/items/1/quantity/value 3", "/layers/0/draw_in/minus_x/value 0",
+      "/layers/0/draw_in/plus_x/unit mm\n", "/layers/0/draw_in/plus_y/unit mm\n",
+      "/layers/0/draw_in/largest/value 0", "/layers/0/kinetic_to_internal/unit %\n", "/punch_force/value 0",
+      "/punch_force/unit kN\n", "/blank_holder/target/value 61.25", "/blank_holder/force/unit kN\n",
+      "/blank_holder/mean_deviation/unit %\n", "/blank_holder/largest_deviation/unit %\n",
+      "/energy/external/unit mJ\n", "/energy/thinning/unit mJ\n", "/energy/internal/unit mJ\n",
+      "/energy/kinetic/unit mJ\n", "/energy/contact/unit mJ\n", "/energy/friction/unit mJ\n",
+      "/energy/damping/unit mJ\n", "/energy/residual/unit %\n", "/energy/largest_residual/unit %\n",
+      "/penetration/percentile_99/unit %\n", "/penetration/peak/unit %\n"};
+  for (const char* leaf : expected) EXPECT_THAT(leaves, HasSubstr(leaf));
+  EXPECT_THAT(leaves, HasSubstr("/digest " + run.outcome.digest));
+  EXPECT_THAT(leaves, HasSubstr(fmt::format("/steps/value {}", run.outcome.measures.steps)));
+}
+
+TEST(Summary, OneSentencePerPassedLimitSaysWhoWhatWhereAndWhen) {
+  test::ScriptedRun run;
+  run_to_the_end(run, [](int who) {
+    exchange::Final final{.digest = 1};
+    if (who == 4)
+      final.outside_trust = {{.quantity = "thinning",
+                              .unit = "%",
+                              .meaning = "it necks",
+                              .limit = 25,
+                              .worst = 54.2,
+                              .share = 0.031,
+                              .x = 10,
+                              .y = 5,
+                              .first_time = 2e-5}};
+    return final;
+  });
+  EXPECT_EQ(run.outcome.exit_code, 0);
+  EXPECT_THAT(run.outcome.summary,
+              HasSubstr("  warning: sheet_upper: thinning beyond 25 % in 3.1 % of its area, from 0.0 mm stroke on, up to "
+                        "54.2 % at (10.0, 5.0) mm of the flat blank: it necks\n"));
+  const std::string leaves = read_with_python(run.outcome.summary_json);
+  for (const char* leaf :
+       {"/layers/4/outside_trust/0/quantity thinning\n", "/layers/4/outside_trust/0/limit/value 25",
+        "/layers/4/outside_trust/0/worst/value 54.2\n", "/layers/4/outside_trust/0/area_share/value 3.1\n",
+        "/layers/4/outside_trust/0/x/value 10", "/layers/4/outside_trust/0/first_time/value 0.02",
+        " sheet_upper: thinning beyond 25 %"})
+    EXPECT_THAT(leaves, HasSubstr(leaf));
+  EXPECT_THAT(leaves, Not(testing::ContainsRegex("/warnings/[0-9]+ (sheet_lower|ply_[123]): ")));
+}
+
+TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
+  test::ScriptedRun run;
+  run_to_the_end(run, [](int who) {
+    return exchange::Final{.digest = 1, .summary = {{"shear angle up to", "deg", 12.5 + who}, {"count", "-", 3}}};
+  });
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
   for (const auto* part :
        {"flat_stack", "sheet_lower", "ply_2", "fabric", "metal", "shear angle up to 14.5 deg", "count 3\n",
-        "draw-in at -x, +x, +y, largest of the rim (mm): sheet_lower 0.0 0.0 0.0 0.0, ply_1 0.0 0.0 0.0 0.0", "punch force 0.000 kN (half model)",
+        "draw-in at -x, +x, +y, largest of the rim (mm): sheet_lower 0.0 0.0 0.0 0.0, ply_1 0.0 0.0 0.0 0.0",
+        "punch force 0.000 kN (half model)",
         "target 61.253 kN", "energy (mJ)", "kinetic/internal", "penetration"})
     EXPECT_THAT(run.outcome.summary, HasSubstr(part));
   EXPECT_THAT(run.outcome.summary, Not(HasSubstr("digest")));
+}
+
+/// A pin between the nodes of layers that stay where they are, flat on each other: nothing is ever pressed.
+TEST(Summary, SaysWhatNeverTouched) {
+  const test::OwnTools tools(4);
+  test::Soup pin = test::make_box({4, 4, 40});
+  for (test::Vector3& x : pin) x += test::Vector3(10, 10, 0);
+  tools.write("punch", pin);
+  std::vector<std::string> overrides{"blank.mesh_size=20", "motion.forming_time=2e-5", "tools.blank_holder.ramp=1e-5",
+                                     "motion.stroke=15"};
+  for (const std::string& override : tools.overrides({"punch"})) overrides.push_back(override);
+  scene::Scene scene = test::read_flat_stack(overrides);
+  scene.time.energy_limit = 1e9;
+  test::ScriptedLink link(scene);
+  link.everyone_joins_and_moves();
+  test::ScriptedRun run;
+  run.run(scene, link);
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
+  EXPECT_THAT(run.outcome.summary, HasSubstr("  warning: the punch never touched "));
+  EXPECT_THAT(run.outcome.summary, HasSubstr("  warning: ply_1 and ply_2 never touched: no pressure between them"));
+  EXPECT_THAT(run.outcome.summary, Not(HasSubstr("blank holder never touched")));  // it has come down on the stack
+}
+
+TEST(Verdict, NamesEachThatNeverTouchedAndAMissingPunch) {
+  scene::Scene scene = test::read_flat_stack();
+  std::vector<bool> touched(scene.layers.size() + 2, true);
+  EXPECT_TRUE(list_untouched(scene, touched, 9).empty());
+  touched.front() = touched.back() = false;
+  EXPECT_THAT(list_untouched(scene, touched, 9),
+              testing::ElementsAre(HasSubstr("the die never touched sheet_lower: its force was 0 in all 9 steps"),
+                                   HasSubstr("the punch never touched sheet_upper: its force was 0 in all 9 steps")));
+  scene.tools.punch.reset();
+  scene.motion.stroke = 60;
+  EXPECT_THAT(list_untouched(scene, std::vector<bool>(scene.layers.size() + 1, true), 9),
+              testing::ElementsAre(HasSubstr("there was no punch")));
 }
 
 }  // namespace

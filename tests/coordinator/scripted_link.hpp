@@ -40,6 +40,7 @@ class ScriptedLink : public exchange::CoordinatorLink {
     for (int i = 0; i < n_layers(); ++i) events.push_back({.kind = Kind::Joined, .who = i});
     for (int i = 0; i < n_layers(); ++i) events.push_back({.kind = Kind::Moved, .who = i});
   }
+  exchange::Motion& motion_of(int who) { return motions_[static_cast<std::size_t>(who)]; }  ///< what it sends
   int n_layers() const { return static_cast<int>(motions_.size()); }
 
   Event receive(double timeout) override {

@@ -16,12 +16,16 @@ using coordinator::check_tools;
 using test::OwnTools;
 using test::Soup;
 using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr double kHeight = 5.6;  // of the flat stack
+const std::vector<std::string> kAll{"punch", "die", "blank_holder"};
 
-scene::Scene read_scene(const OwnTools& tools, const std::vector<std::string>& which = {"punch", "die", "blank_holder"},
+scene::Scene read_scene(const OwnTools& tools, const std::vector<std::string>& which = kAll,
                         std::vector<std::string> more = {}) {
   more.insert(more.begin(), "motion.stroke=60");
   for (const std::string& override : tools.overrides(which)) more.push_back(override);
@@ -49,7 +53,8 @@ Soup moved(Soup soup, const test::Vector3& by, double scale = 1) {
 }
 
 TEST(Tools, SurfacesOfTheDefaultToolsAreAccepted) {
-  for (const bool closed : {true, false}) EXPECT_THAT(check_tools(read_scene(OwnTools(8, closed))), IsEmpty());
+  for (const bool closed : {true, false})
+    EXPECT_THAT(check_tools(read_scene(OwnTools(8, closed), kAll, {"blank.mesh_size=10"})), IsEmpty());
 }
 
 /// With facets in threes the tip of the punch is a vertex.
@@ -143,10 +148,86 @@ TEST(Tools, HolderWithoutAFlatLandIsRefused) {
 TEST(Tools, HalfModelOfAnUnsymmetricToolIsWarnedOf) {
   const OwnTools tools(8);
   tools.write("punch", moved(test::make_punch(100, 50, 15, 60, 8), {0, 0.5, 0}));
-  const auto warnings = check_tools(read_scene(tools));
+  const auto warnings = check_tools(read_scene(tools, kAll, {"blank.mesh_size=10"}));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_THAT(warnings[0], AllOf(HasSubstr("tools.punch.stl: is not symmetric about y = 0, by "),
                                  HasSubstr("so use symmetry: full")));
+}
+
+TEST(Tools, RadiusFinerThanTheMeshIsWarnedOf) {
+  const OwnTools tools(8);
+  const auto analytic = check_tools(read_scene(tools, {}, {"blank.mesh_size=10", "tools.die.shoulder=4"}));
+  EXPECT_THAT(analytic, ElementsAre(AllOf(HasSubstr("tools.die: a radius of 4 mm is finer than the 10 mm mesh of"),
+                                          HasSubstr("a mesh of 4 mm would do"))));
+  EXPECT_THAT(check_tools(read_scene(tools, {}, {"blank.mesh_size=4", "tools.die.shoulder=4"})), IsEmpty());
+  // every vertex of the surface lies on the tool rounded with 5 mm
+  tools.write("punch", test::make_punch(100, 50, 5, 60, 8));
+  const auto rounded = check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=10"}));
+  ASSERT_EQ(rounded.size(), 1u);
+  EXPECT_THAT(rounded[0], HasSubstr("tools.punch.stl: a radius of "));
+  EXPECT_NEAR(std::stod(rounded[0].substr(rounded[0].find("radius of") + 9)), 5, 1);
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=5"})), IsEmpty());
+  tools.write("punch", test::make_box({30, 30, 80}));
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=10"})),
+              ElementsAre(AllOf(HasSubstr("tools.punch.stl: a sharp edge at ("), HasSubstr("-80)"),
+                                HasSubstr("round it to 10 mm or more"))));
+}
+
+/// Nodes lie 20 mm apart from x = -140, y = 0 on.
+TEST(Tools, PunchBetweenTheNodesIsWarnedOf) {
+  const OwnTools tools(8);
+  const Soup pin = test::make_box({4, 4, 80});
+  tools.write("punch", moved(pin, {10, 10, 0}));
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=20"})),
+              Contains(AllOf(HasSubstr("tools.punch.stl: can touch no node of "), HasSubstr("on its way of 60 mm"),
+                             HasSubstr("it is 8 mm wide, so that a mesh of 4 mm would do"))));
+  tools.write("punch", moved(pin, {20, 20, 0}));
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=20"})),
+              Not(Contains(HasSubstr("can touch no node"))));
+}
+
+TEST(Tools, HoleInASolidIsWarnedOfWithItsPlace) {
+  const OwnTools tools(8);
+  Soup open;
+  const Soup closed = test::make_punch(100, 50, 15, 60, 9);
+  for (std::size_t t = 0; t < closed.size(); t += 3)
+    if ((closed[t] + closed[t + 1] + closed[t + 2]).z() / 3 > 1) open.insert(open.end(), &closed[t], &closed[t] + 3);
+  tools.write("punch", open);
+  const int sides = geometry::parse_stl(test::to_binary_stl(open), "punch.stl").open_sides;
+  ASSERT_GT(sides, 2);
+  const std::string opening = "tools.punch.stl: the surface is open at " + std::to_string(sides) + " sides, near (";
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=10"})),
+              Contains(AllOf(HasSubstr(opening),
+                             HasSubstr("where the blank can get behind it; close it to a solid"))));
+  // so is one triangle at the top of a ball, where the blank never comes
+  Soup ball = test::make_ball(40, 12);
+  std::size_t top = 0;
+  for (std::size_t t = 0; t < ball.size(); t += 3)
+    if ((ball[t] + ball[t + 1] + ball[t + 2]).z() > (ball[top] + ball[top + 1] + ball[top + 2]).z()) top = t;
+  ball.erase(ball.begin() + static_cast<std::ptrdiff_t>(top), ball.begin() + static_cast<std::ptrdiff_t>(top) + 3);
+  tools.write("punch", ball);
+  EXPECT_THAT(check_tools(read_scene(tools, {"punch"}, {"blank.mesh_size=10"})),
+              Contains(HasSubstr("tools.punch.stl: the surface is open at 3 sides, near (")));
+}
+
+TEST(Tools, BytesAfterTheLastTriangleAreWarnedOf) {
+  const OwnTools tools(8);
+  const Soup die = test::make_plate(100, 22, 10, 80, 160, 8, true);
+  test::write_file(tools.path("die"), test::to_binary_stl(die) + "made by x");
+  EXPECT_THAT(check_tools(read_scene(tools, {"die"}, {"blank.mesh_size=10"})),
+              ElementsAre("tools.die.stl: holds 9 bytes after its last triangle, which are not read"));
+}
+
+TEST(Tools, ForgottenPunchAndStrokeAreWarnedOf) {
+  const OwnTools tools(4);
+  scene::Scene scene = read_scene(tools, {}, {"blank.mesh_size=10"});
+  EXPECT_THAT(check_tools(scene), IsEmpty());
+  scene.motion.stroke = 0;
+  EXPECT_THAT(check_tools(scene), ElementsAre(HasSubstr("motion.stroke: is 0: the punch stays")));
+  scene.tools.punch.reset();
+  EXPECT_THAT(check_tools(scene), IsEmpty());
+  scene.motion.stroke = 60;
+  EXPECT_THAT(check_tools(scene), ElementsAre(HasSubstr("tools.punch: is missing: motion.stroke = 60 mm moves")));
 }
 
 TEST(Tools, FileThatHasChangedSinceTheSceneWasReadIsRefused) {

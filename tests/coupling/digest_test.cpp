@@ -1,6 +1,7 @@
 /// The same bits whatever the threads and whatever the order in which they arrive.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "simd/target.hpp"
@@ -33,7 +34,8 @@ void expect_same_bits(const test::InProcessResult& run) {
 TEST(Digest, OfARunThatDoesSomething) {
   ASSERT_EQ(reference().outcome.exit_code, 0) << reference().outcome.message;
   EXPECT_EQ(reference().outcome.digest.size(), 16u);
-  EXPECT_GT(reference().sink->rows.back().punch_force, 0);
+  const auto& rows = reference().sink->rows;  // so fast a sheet leaves the punch again: it need not touch at the end
+  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.punch_force > 0; }));
   EXPECT_GT(reference().sink->rows.back().friction, 0);
 }
 

@@ -15,7 +15,7 @@ using namespace interply;
 
 test::InProcessResult form(std::vector<std::string> more) {
   std::vector<std::string> all{"blank.mesh_size=20", "motion.stroke=15", "motion.forming_time=3e-3", "record.frames=1",
-                               "contact.damping=0.5"};
+                               "contact.damping=0.5", "blank.diagonals=around"};
   all.insert(all.end(), more.begin(), more.end());
   scene::Scene scene = test::read_test_scene("flat_stack.yaml", all);
   scene.layers = {scene.layers[1], scene.layers[4]};  // a ply under a sheet

@@ -1,6 +1,8 @@
 /// A ply and a sheet with laws of the user's own in a whole run, in one process and in many.
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "faults/programs.hpp"
 #include "support/in_process_run.hpp"
 #include "support/vumat_laws.hpp"
@@ -87,10 +89,55 @@ TEST_F(OwnLaw, StressThatIsNotANumberEndsTheRunAsADivergence) {
   EXPECT_THAT(program->said(), AllOf(HasSubstr("layer ply_2, element"), HasSubstr("vumat")));
 }
 
-TEST_F(OwnLaw, CrashOfTheLibraryEndsTheRunAndNamesTheLayer) {
-  const auto program = start("out", {set_law("ply_2", test::make_faulty_vumat(500, 2, 1e-4))});
+TEST_F(OwnLaw, LawThatEndsItsProcessEndsTheRunByNameWithItsWords) {
+  const auto words = HasSubstr("no convergence of the return mapping");
+  for (const auto fault : {test::kStop, test::kNullPointer})
+    for (const std::string how : {"federated", "--in-process"}) {
+      std::vector<std::string> more{"--overwrite"};
+      if (how == "--in-process") more.push_back(how);
+      const auto program = start("out", {set_law("ply_2", test::make_faulty_vumat(500, fault, 1e-4))}, more);
+      EXPECT_EQ(program->wait(), 4) << fault << how;
+      EXPECT_THAT(program->said(), AllOf(HasSubstr("layer ply_2: law.vumat.library: "), HasSubstr("libfaulty.so ended"),
+                                         words));
+    }
+}
+
+TEST_F(OwnLaw, LawThatNeverReturnsEndsTheRunByTheDeadline) {
+  const std::string law = set_law("ply_2", test::make_faulty_vumat(500, test::kNeverReturns, 1e-4));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--in-process", "--overwrite"}}) {
+    const auto program = start("out", {law, "exchange.wait_deadline=2"}, more);
+    EXPECT_EQ(program->wait(), 4);
+    EXPECT_THAT(program->said(), HasSubstr("ply_2"));
+  }
+}
+
+TEST_F(OwnLaw, LawThatLeavesWithCodeZeroIsALossByName) {
+  const auto program = start("out", {set_law("ply_2", test::make_faulty_vumat(500, test::kExitAtOnce, 1e-4))});
   EXPECT_EQ(program->wait(), 4);
-  EXPECT_THAT(program->said(), HasSubstr("ply_2"));
+  EXPECT_THAT(program->said(), AllOf(HasSubstr("ply_2 (process"), HasSubstr("left with exit code 0"),
+                                     HasSubstr("no convergence of the return mapping")));
+}
+
+TEST_F(OwnLaw, LawThatEndsItsProcessAtOnceIsRefusedByEveryCommand) {
+  const auto law = test::make_faulty_vumat(500, test::kStop, 1e-6);
+  const auto expect_refusal = [](Program& program) {
+    EXPECT_EQ(program.wait(), 2);
+    EXPECT_THAT(program.said(), AllOf(HasSubstr("law.vumat.library: "), HasSubstr("libfaulty.so ended"),
+                                      HasSubstr("no convergence of the return mapping")));
+  };
+  expect_refusal(*start("out", {set_law("ply_2", law)}));
+  EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+  Program check("interply", {"check", kScenes / "flat_stack.yaml", "--set", set_law("ply_2", law)}, folder_.path());
+  expect_refusal(check);
+  std::ofstream(folder_.path() / "law.yaml") << "law: {vumat: {library: " << law.library.path
+                                             << ", parameters: [500, 3, 1e-6], state_variables: 0}}\n";
+  std::ofstream(folder_.path() / "path.csv") << "F11,F12,F21,F22\n1.001,0,0,1\n";
+  Program point("interply",
+                {"point", folder_.path() / "law.yaml", "--path", folder_.path() / "path.csv", "-o",
+                 folder_.path() / "out.csv"},
+                folder_.path());
+  expect_refusal(point);
+  EXPECT_FALSE(fs::exists(folder_.path() / "out.csv"));
 }
 
 }  // namespace

@@ -105,7 +105,16 @@ TEST(Wire, SentencesNamesAndNumbersArrive) {
 
   Final final{.digest = 0xfedcba9876543210,
               .energies = {.kinetic = 1},
-              .summary = {{"thinning", "-", 0.25}, {"gamma", "rad", 1}}};
+              .summary = {{"thinning", "-", 0.25}, {"gamma", "rad", 1}},
+              .outside_trust = {{.quantity = "thinning",
+                                 .unit = "%",
+                                 .meaning = "necks",
+                                 .limit = 25,
+                                 .worst = 54,
+                                 .share = 0.03,
+                                 .x = 10,
+                                 .y = -5,
+                                 .first_time = 9e-3}}};
   Final final_got;
   ASSERT_EQ(decoder.open(encoder.encode(final)), MessageKind::Final);
   decoder.read(final_got);
@@ -115,6 +124,13 @@ TEST(Wire, SentencesNamesAndNumbersArrive) {
   EXPECT_EQ(final_got.summary[1].name, "gamma");
   EXPECT_EQ(final_got.summary[1].unit, "rad");
   EXPECT_EQ(final_got.summary[0].value, 0.25);
+  ASSERT_EQ(final_got.outside_trust.size(), 1u);
+  const OutsideTrust& passed = final_got.outside_trust[0];
+  EXPECT_EQ(passed.quantity, "thinning");
+  EXPECT_EQ(passed.unit, "%");
+  EXPECT_EQ(passed.meaning, "necks");
+  const std::vector<double> numbers{passed.limit, passed.worst, passed.share, passed.x, passed.y, passed.first_time};
+  EXPECT_EQ(numbers, (std::vector<double>{25, 54, 0.03, 10, -5, 9e-3}));
 
   for (const StopReason reason : {StopReason::Diverged, StopReason::Lost, StopReason::Cancelled}) {
     Stop stop;

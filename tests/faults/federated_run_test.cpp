@@ -43,6 +43,7 @@ TEST_F(FederatedRun, AgreesBitForBitWithInProcessOnEveryCarrierAndForAnyNumberOf
   EXPECT_EQ(digest_of("threads", with(two_threads)), reference);
   EXPECT_EQ(digest_of("no_record", with({"--no-record"})), reference);
   EXPECT_FALSE(fs::exists(folder_.path() / "no_record/record.h5"));
+  EXPECT_TRUE(fs::exists(folder_.path() / "no_record/summary.json"));
 
   const record::RecordReader federated(folder_.path() / "shm/record.h5");
   const record::RecordReader in_process(folder_.path() / "in_process/record.h5");

@@ -48,10 +48,10 @@ class Ownership : public testing::Test {
 
 TEST_F(Ownership, CheckAndRunRefuseTheSameAddressesBeforeAnythingIsStarted) {
   std::ofstream(folder_.path() / "file") << "a thesis";
-  for (const std::string address :
+  for (const std::string& address : std::vector<std::string>
        {"tcp://127.0.0.1:99999", "tcp://127.0.0.1:-1", "tcp://127.0.0.1:abc", "tcp://127.0.0.1", "tcp://192.0.2.1:7100",
-        "tcp://no.such.host.invalid:7100", "ipc:///no/such/folder/x", std::string("ipc://" + (folder_.path() / "file").string()).c_str()}) {
-    Program check("interply", {"check", scene(), "--set", "exchange.address=\"" + std::string(address) + "\""}, folder_.path());
+        "tcp://no.such.host.invalid:7100", "ipc:///no/such/folder/x", "ipc://" + (folder_.path() / "file").string()}) {
+    Program check("interply", {"check", scene(), "--set", "exchange.address=\"" + address + "\""}, folder_.path());
     EXPECT_EQ(check.wait(), 2) << address << "\n" << check.said();
     EXPECT_THAT(check.said(), HasSubstr("exchange.address: "));
     Program program("interply", run("out", {"--address", address}), folder_.path());

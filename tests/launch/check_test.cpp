@@ -2,9 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <sstream>
 
+#include "launch/run.hpp"
 #include "paths.hpp"
 #include "scene/read_scene.hpp"
 
@@ -31,11 +34,27 @@ TEST(Check, ShowsTheMassThatScalingAdds) {
   EXPECT_THAT(text, testing::ContainsRegex("sheet_lower +metal +120 +196 +307\\.72 +923\\.16"));
 }
 
+TEST(Check, WarnsOfAToolFinerThanTheMesh) {
+  EXPECT_THAT(check({"tools.die.shoulder=4"}),
+              testing::HasSubstr("warning     tools.die: a radius of 4 mm is finer than the 20 mm mesh of sheet_lower"));
+}
+
 TEST(Check, ARefusedSceneIsNotPriced) {
   std::ostringstream out;
   EXPECT_THROW(check_command({INTERPLY_SOURCE_DIR "/tests/scenes/flat_stack.yaml", {"blank.mesh_size=-1"}}, out),
                scene::SceneError);
   EXPECT_EQ(out.str(), "");
+}
+
+TEST(Check, RefusesANetworkThatThisHostDoesNotHaveAsARunDoes) {
+  const std::string scene = INTERPLY_SOURCE_DIR "/tests/scenes/flat_stack.yaml", network = "observe.network=foo";
+  const auto refusal = testing::ThrowsMessage<scene::SceneError>(
+      testing::AllOf(testing::HasSubstr("observe.network: 'foo'"), testing::HasSubstr("lo (127.0.0.1)")));
+  std::ostringstream out;
+  EXPECT_THAT([&] { check_command({scene, {network}}, out); }, refusal);
+  const auto folder = std::filesystem::temp_directory_path() / ("no_network." + std::to_string(getpid()));
+  EXPECT_THAT([&] { run_command({.scene = scene, .overrides = {network}, .out = folder}); }, refusal);
+  EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
 }  // namespace

@@ -65,11 +65,12 @@ class FederationOfScripts : public testing::Test {
 TEST_F(FederationOfScripts, PassesOnSummaryDigestAndNotes) {
   const auto result = supervise(
       "echo bound somewhere; echo a note; echo '@progress stroke 1 mm'; echo '@summary first'; echo '@summary'; "
-      "echo '@summary   third'; echo '@digest 0123456789abcdef'",
+      "echo '@summary   third'; echo '@json {'; echo '@json }'; echo '@digest 0123456789abcdef'",
       {shell("ply_1", "exit 0"), shell("recorder", "exit 0")});
   EXPECT_EQ(result.exit_code, kDone);
   EXPECT_EQ(result.message, "");
   EXPECT_EQ(result.summary, "first\n\n  third");
+  EXPECT_EQ(result.summary_json, "{\n}\n");
   EXPECT_EQ(result.digest, "0123456789abcdef");
   EXPECT_THAT(shown_, HasSubstr("a note\n"));
   EXPECT_THAT(shown_, HasSubstr("stroke 1 mm\n"));
@@ -178,10 +179,10 @@ TEST_F(FederationOfScripts, ASecondInterruptKills) {
 
 TEST_F(FederationOfScripts, AChildHasNoDescriptorOfOursButTheOneThatItIsGiven) {
   const int foreign = open("/dev/null", O_RDONLY), given = open("/dev/null", O_RDONLY);  // not closed on exec
-  Participant recorder = shell("recorder", "ls /proc/$$/fd > " + (folder_ / "recorder_fd").string() + "; :");
+  Participant recorder = shell("recorder", "exec > " + (folder_ / "recorder_fd").string() + "; ls /proc/$$/fd; :");
   recorder.inherited = given;
   const auto result =
-      supervise("echo bound x; sleep 0.2", {shell("ply_1", "ls /proc/$$/fd > " + (folder_ / "ply_1_fd").string() + "; :"), recorder});
+      supervise("echo bound x; sleep 0.2", {shell("ply_1", "exec > " + (folder_ / "ply_1_fd").string() + "; ls /proc/$$/fd; :"), recorder});
   close(foreign);
   close(given);
   EXPECT_EQ(result.exit_code, kDone) << result.message;

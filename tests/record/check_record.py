@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 OWNERS = {"layers/ply_1": 0, "layers/sheet": 1, "interfaces/ply_1|sheet": 10, "interfaces/die|ply_1": 11}
+WEDGE = np.array([[0.0, 0, 5], [20, 0, 0], [20, 30, 0], [0, 30, 5]]), np.array([[0, 1, 2], [0, 2, 3]])  # the tool
 LAYER_FIELDS = [("stress", 3, False), ("thickness", 1, False), ("fibre____pair_", 2, False), ("velocity", 3, True)]
 INTERFACE_FIELDS = [("pressure", 1, True), ("tangential_traction", 3, True)]
 
@@ -53,10 +54,19 @@ def check_values(path, frames, rows=None, status="running"):
             if owner < 10:
                 k = np.arange(frames)[:, None, None]
                 check_frames(f[group]["position"], f[group]["reference"][()] + k * np.array([0.001, 0, -1.0]))
-        check_frames(f["tools/punch/position"], 20e6 + 1e3 * np.arange(frames))
+        on_sheet = expected(10, 2, frames, len(f["layers/sheet/reference"]), 3)
+        check_frames(f["interfaces/ply_1|sheet/force_on_other"], on_sheet)
+        assert "force_on_other" not in f["interfaces/die|ply_1"]
+        assert [f[f"interfaces/{pair}/other"][()].decode() for pair in ("ply_1|sheet", "die|ply_1")] == ["sheet", "die"]
+        check_frames(f["tools/punch/position"], 7.5 - 3.25 * np.arange(frames))
+        check_frames(f["tools/punch/force"], expected(20, 1, frames, 1, 3)[:, 0])
+        check_frames(f["tools/punch/moment"], expected(20, 2, frames, 1, 3)[:, 0])
+        np.testing.assert_array_equal(f["tools/punch/surface/nodes"], WEDGE[0])
+        np.testing.assert_array_equal(f["tools/punch/surface/triangles"], WEDGE[1])
         check_frames(f["history/stroke"], 2.0 * np.arange(rows))
         check_frames(f["history/votes"], np.arange(rows)[:, None] * np.array([7.0, 8.0]))
         check_frames(f["history/interface_residual"], np.arange(rows)[:, None] * np.array([13.0, 14.0]))
+        check_frames(f["history/interface_friction"], np.arange(rows)[:, None] * np.array([15.0, 16.0]))
 
 
 def check_attributes(path):
@@ -75,6 +85,10 @@ def check_attributes(path):
 
 def read_item(item, folder):
     """Numbers of an XDMF DataItem, read as the XDMF 2 specification says."""
+    if item.get("ItemType") == "Function":
+        first, sign, number = item.get("Function").split()
+        assert first == "$0" and sign in "+-"
+        return read_item(item.find("DataItem"), folder) + float(sign + number)
     dimensions = [int(n) for n in item.get("Dimensions").split()]
     if item.get("ItemType") == "HyperSlab":
         selection, source = item.findall("DataItem")
@@ -102,10 +116,16 @@ def check_grid(name, position, triangles, fields, layer, owner, k):
         np.testing.assert_array_equal(fields[key], expected(owner, i, k + 1, points, components)[k], str(key))
 
 
+def check_tool(position, triangles, k):
+    """What a viewer shows of the tool: where it is in frame k."""
+    np.testing.assert_allclose(position, WEDGE[0] + [0, 0, 7.5 - 3.25 * k], atol=1e-5)
+    np.testing.assert_array_equal(triangles, WEDGE[1])
+
+
 def check_xdmf(path, frames):
     folder = os.path.dirname(path)
     collections = ElementTree.parse(path).getroot().findall("Domain/Grid")
-    assert [c.get("Name") for c in collections] == [group.split("/")[1] for group in OWNERS]
+    assert [c.get("Name") for c in collections] == [group.split("/")[1] for group in [*OWNERS, "tools/punch"]]
     with h5py.File(path.replace(".xdmf", ".h5"), "r") as f:
         for collection, (group, owner) in zip(collections, OWNERS.items()):
             assert collection.get("CollectionType") == "Temporal"
@@ -117,6 +137,10 @@ def check_xdmf(path, frames):
                 check_grid(group, read_item(grid.find("Geometry/DataItem"), folder),
                            read_item(grid.find("Topology/DataItem"), folder), fields,
                            f["layers/ply_1" if owner >= 10 else group], owner, k)
+    for k, grid in enumerate(collections[-1].findall("Grid")):
+        axes = [read_item(item, folder) for item in grid.findall("Geometry/DataItem")]
+        check_tool(np.column_stack(axes), read_item(grid.find("Topology/DataItem"), folder), k)
+    assert k == frames - 1
 
 
 def check_vtk(path, frames):
@@ -137,8 +161,8 @@ def check_vtk(path, frames):
         for k, time in enumerate(times):
             reader.UpdateTimeStep(time)
             blocks = reader.GetOutputDataObject(0)
-            assert blocks.GetNumberOfBlocks() == len(OWNERS), blocks.GetNumberOfBlocks()
-            for b, (group, owner) in enumerate(OWNERS.items()):
+            assert blocks.GetNumberOfBlocks() == len(OWNERS) + 1, blocks.GetNumberOfBlocks()
+            for b, (group, owner) in enumerate([*OWNERS.items(), ("tools/punch", 20)]):
                 name = blocks.GetMetaData(b).Get(vtkCompositeDataSet.NAME())
                 assert group.endswith("/" + name), (group, name)
                 grid = blocks.GetBlock(b)
@@ -150,6 +174,9 @@ def check_vtk(path, frames):
                 position = vtk_to_numpy(grid.GetPoints().GetData())
                 bounds = np.column_stack([position.min(axis=0), position.max(axis=0)]).ravel()
                 np.testing.assert_allclose(grid.GetBounds(), bounds)
+                if owner == 20:
+                    check_tool(position, triangles, k)
+                    continue
                 check_grid(group, position, triangles, fields, f["layers/ply_1" if owner >= 10 else group], owner, k)
 
 

@@ -32,6 +32,8 @@ class SampleRun {
     header_.interfaces = {"ply_1|sheet", "die|ply_1"};
     header_.tools = {"punch"};
     header_.interface_nodes_of = {"ply_1", "ply_1"};
+    header_.interface_others = {"sheet", "die"};
+    header_.tool_surfaces = {make_wedge()};
     header_.frames = frames;
     header_.history_capacity = history;
     meshes_ = {make_mesh("ply_1", "fabric", 1.2, nodes, 0.0), make_mesh("sheet", "metal", 1.0, nodes + 1, 1.1)};
@@ -60,12 +62,16 @@ class SampleRun {
             .step = 100 * k,
             .time = 0.5 * k,
             .fields = {make_field("pressure", "MPa", 10 + i, 0, k, n, 1, true),
-                       make_field("tangential_traction", "MPa", 10 + i, 1, k, n, 3, true)}};
+                       make_field("tangential_traction", "MPa", 10 + i, 1, k, n, 3, true)},
+            .fields_on_other = i == 1 ? std::vector<observe::Field>()
+                                      : std::vector{make_field("force_on_other", "N", 10 + i, 2, k,
+                                                               meshes_[1].reference.cols(), 3, true)}};
   }
   observe::ToolFrame tool_frame(int k) const {
     observe::ToolFrame f{.tool = "punch", .frame = k, .step = 100 * k, .time = 0.5 * k};
-    f.position = sample_value(20, 0, k, 0, 0);
+    f.position = 7.5 - 3.25 * k;
     for (int c = 0; c < 3; ++c) f.force[c] = sample_value(20, 1, k, c, 0);
+    for (int c = 0; c < 3; ++c) f.moment[c] = sample_value(20, 2, k, c, 0);
     return f;
   }
   observe::HistoryRow history_row(int i) const {
@@ -83,6 +89,7 @@ class SampleRun {
     r.step_seconds = {9.0 * i, 10.0 * i};
     r.wait_seconds = {11.0 * i, 12.0 * i};
     r.interface_residual = {13.0 * i, 14.0 * i};
+    r.interface_friction = {15.0 * i, 16.0 * i};
     return r;
   }
   observe::RunEnd end(int frames_complete) const {
@@ -111,6 +118,14 @@ class SampleRun {
       for (int p = 0; p < points; ++p) f.values.push_back(sample_value(owner, field, frame, c, p));
     }
     return f;
+  }
+
+  /// The tool: two triangles.
+  static observe::ToolSurface make_wedge() {
+    observe::ToolSurface wedge{mechanics::NodalVectors(3, 4), mechanics::Triangles(3, 2)};
+    wedge.nodes << 0, 20, 20, 0, 0, 0, 30, 30, 5, 0, 0, 5;
+    wedge.triangles << 0, 0, 1, 2, 2, 3;
+    return wedge;
   }
 
  private:

@@ -10,6 +10,7 @@
 
 #include "record/file.hpp"
 #include "record/reader.hpp"
+#include "record/run_folder.hpp"
 #include "sample_run.hpp"
 
 namespace interply::record {
@@ -205,21 +206,22 @@ TEST(RecordWriter, ClosedBeforeTheEndSaysInterrupted) {
   EXPECT_EQ(RecordReader(folder / "record.h5").read_text("status"), "interrupted");
 }
 
-TEST(RecordWriter, RefusesToOverwriteUnlessTold) {
+TEST(RecordWriter, ReplacesARecordWhenToldToAndNothingElseEver) {
   const TemporaryFolder folder;
   std::ofstream(folder / "record.h5") << "precious";
-  try {
-    RecordWriter writer(folder / "record.h5");
-    FAIL();
-  } catch (const std::runtime_error& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr("record.h5 exists already"));
-  }
+  for (const bool overwrite : {false, true})
+    EXPECT_THROW(RecordWriter(folder / "record.h5", overwrite), FolderRefused);
   EXPECT_EQ(std::filesystem::file_size(folder / "record.h5"), 8u);
+  std::filesystem::remove(folder / "record.h5");
+
   const SampleRun run;
+  put_whole_run(*std::make_unique<RecordWriter>(folder / "record.h5"), run);
+  EXPECT_THROW(RecordWriter(folder / "record.h5"), FolderRefused);
   RecordWriter writer(folder / "record.h5", true);
-  put_whole_run(writer, run);
-  writer.close();
-  EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 4);
+  EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 4) << "it stays until the next run begins";
+  run.put_start(writer);
+  run.put_frame(writer, 0);
+  EXPECT_EQ(RecordReader(folder / "record.h5").frames_complete(), 1);
 }
 
 /// Nothing that belongs to a run can be left out, and nothing else can reach a record: the run is told.
@@ -333,11 +335,8 @@ TEST(RecordWriter, FailureToMakeTheFileLeavesNothingBehind) {
   run.put_start(writer);
   observe::LayerFrame bad = run.layer_frame(0, 0);
   bad.fields[0].values.resize(3 * 7);
-  writer.put(bad);
-  writer.put(run.layer_frame(1, 0));
-  for (int i = 0; i < 2; ++i) writer.put(run.interface_frame(i, 0));
   try {
-    writer.put(run.tool_frame(0));
+    writer.put(bad);
     FAIL();
   } catch (const std::runtime_error& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("field 'stress' of 'ply_1' has 7 values for 32 elements"));

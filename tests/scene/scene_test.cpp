@@ -56,6 +56,17 @@ TEST(Scene, AbsentKeysTakeTheDefaultsOfTheStructs) {
   EXPECT_EQ(scene.exchange.address, "shm");
 }
 
+TEST(Scene, TextOfAnyEditorIsRead) {
+  const std::uint64_t digest = parse_scene(kSmallScene, "a").digest;
+  std::string cr, crlf = "\xEF\xBB\xBF", utf_16 = "\xFF\xFE";
+  for (const char c : std::string(kSmallScene)) {
+    cr += c == '\n' ? '\r' : c;
+    crlf += c == '\n' ? "\r\n" : std::string(1, c);
+    utf_16 += {c, '\0'};
+  }
+  for (const std::string& text : {cr, crlf, utf_16}) EXPECT_EQ(parse_scene(text, "a").digest, digest);
+}
+
 TEST(Scene, ScalarStandsForBothFibreDirections) {
   const Law law = parse_law_file("woven: {a: 7, b: [8, 9], strain_cap: [none, 0.02], p_min: 0}");
   const WovenLaw& woven = std::get<WovenLaw>(law);

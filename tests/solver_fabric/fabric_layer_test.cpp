@@ -13,6 +13,7 @@ namespace {
 using namespace fabric_cases;
 using fabric::FabricLayer;
 using mechanics::NodalVectors;
+using mechanics::Vector3;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -258,11 +259,14 @@ TEST(FabricLayer, FieldsAndSummaryReportTheState) {
                                        "S12",
                                        "energy_density",
                                        "beyond_cap",
-                                       "smallest_hessian_eigenvalue"};
+                                       "smallest_hessian_eigenvalue",
+                                       "warp",
+                                       "weft"};
   ASSERT_EQ(fields.size(), names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_EQ(fields[i].name, names[i]);
-    EXPECT_EQ(fields[i].values.size(), static_cast<std::size_t>(mesh.n_elements()));
+    EXPECT_EQ(fields[i].values.size(), static_cast<std::size_t>(mesh.n_elements() * fields[i].components));
+    EXPECT_EQ(fields[i].components, i < 9 ? 1 : 3);
   }
   EXPECT_NEAR(fields[1].values[0], 1.08, 1e-14);
   EXPECT_NEAR(fields[2].values[0], 0.97, 1e-14);
@@ -277,6 +281,41 @@ TEST(FabricLayer, FieldsAndSummaryReportTheState) {
   EXPECT_NEAR(summary[1].value, 8, 1e-12);
   EXPECT_NEAR(summary[2].value, 1, 1e-12);
   EXPECT_EQ(summary[3].value, 100);
+}
+
+/// The weft, at rest 90 degrees counter-clockwise from the warp, is turned towards it by 0.2 rad and leaves it again by
+/// 0.3 rad; the sheet is turned and tilted as a whole. Fibres are where the motion takes them, and the shear angle is
+/// positive where the angle between them is less than a right one.
+TEST(FabricLayer, ShearAngleIsPositiveWhereWarpAndWeftCloseInAndFibresFollowTheMotion) {
+  const auto mesh = mechanics::make_rectangle({0, 20}, {0, 20}, 10);
+  for (const double degrees : {0.0, 30.0}) {
+    FabricLayer layer(make_layer(lopsided(), degrees), 1, mesh);
+    const double angle = degrees * M_PI / 180;
+    for (const double gamma : {0.2, -0.3}) {
+      const Eigen::Rotation2Dd to_fibres(angle);
+      mechanics::Matrix2 shear;
+      shear << 1.01, std::sin(gamma), 0, std::cos(gamma);  // F warp = 1.01 warp, F weft = (sin, cos) in the fibre frame
+      const mechanics::Matrix2 F = to_fibres.toRotationMatrix() * shear * to_fibres.inverse().toRotationMatrix();
+      const Eigen::Matrix3d turn(Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()));
+      NodalVectors x = map_in_plane(mesh, F);
+      x.matrix() = turn * x.matrix().eval();
+      const auto fields = layer.compute_fields(x);
+      const auto at = [&](std::size_t field, Eigen::Index e) {
+        const auto n = static_cast<std::size_t>(mesh.n_elements()), i = static_cast<std::size_t>(e);
+        const auto& v = fields[field].values;
+        return Vector3(v[i], v[n + i], v[2 * n + i]);
+      };
+      const Vector3 warp = turn * Vector3(std::cos(angle), std::sin(angle), 0);
+      const double across = angle + M_PI / 2 - gamma;
+      const Vector3 weft = turn * Vector3(std::cos(across), std::sin(across), 0);
+      for (Eigen::Index e = 0; e < mesh.n_elements(); ++e) {
+        EXPECT_NEAR(fields[0].values[static_cast<std::size_t>(e)], gamma, 1e-13);
+        EXPECT_LT((at(9, e) - warp).norm(), 1e-13);
+        EXPECT_LT((at(10, e) - weft).norm(), 1e-13);
+        EXPECT_NEAR(std::acos(at(9, e).dot(at(10, e))), M_PI / 2 - gamma, 1e-12);
+      }
+    }
+  }
 }
 
 TEST(FabricLayer, FactoryTakesLawOrientationAndMassScalingFromTheScene) {

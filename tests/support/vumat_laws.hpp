@@ -38,7 +38,11 @@ inline scene::VumatLaw make_j2_vumat(const scene::J2Law& law, scene::Integration
   return own;
 }
 
-/// faulty.f90: elastic with nu = 0 until `time`, then 1: a stress that is not a number, 2: the end of the process.
+/// faulty.f90: elastic with nu = 0 until `time`, then it fails.
+enum Fault {
+  kNoFault, kNotANumber, kAbort, kStop, kExit, kExitAtOnce, kNullPointer, kNeverReturns, kStackOverflow, kFifthState,
+  kSixStresses, kWordBefore, kChangesInput, kCounter, kStress33, kErrorRoutine, kExitRoutine
+};
 inline scene::VumatLaw make_faulty_vumat(double young, int fault = 0, double time = 1e9) {
   return make_vumat("faulty", {young, static_cast<double>(fault), time});
 }

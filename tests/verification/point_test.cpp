@@ -110,6 +110,7 @@ TEST_F(Point, ColumnsMayComeInAnyOrderAndWithBlanks) {
                 "F11,F12,F21,F22\n1.02,0.1,0,0.99")
                 .out,
             a);
+  EXPECT_EQ(run(kLopsided, "F11,F12,F21,F22\r1.02,0.1,0,0.99\r").out, a);
 }
 
 TEST_F(Point, BadRowsAreRefusedWithFileAndLineAndNothingIsWritten) {
