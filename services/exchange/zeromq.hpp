@@ -12,7 +12,8 @@
 /// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often
 /// as it takes until it has joined and never again after that: whoever loses its connection has lost its place, so
 /// nothing stale can arrive. Deaths are noticed at once because the kernel closes the connection of a dead process; a
-/// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits.
+/// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits; a cut link and a stopped
+/// process are also found by their silence: while it only computes a process gives a sign of life every second.
 #pragma once
 
 #include <limits>
@@ -24,12 +25,15 @@
 
 namespace interply::exchange {
 
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
 /// A solver's end. The coordinator may bind later; join() waits for it.
-/// @throws std::runtime_error for an address that cannot be one
-std::unique_ptr<SolverLink> connect_zeromq(const std::string& address);
+/// @param silence  s without a sign of life of the coordinator after which it counts as lost
+/// @throws BadAddress (address.hpp)
+std::unique_ptr<SolverLink> connect_zeromq(const std::string& address, double silence = kNoLimit);
 
 /// A recorder's end, likewise.
-std::unique_ptr<RecorderLink> connect_recorder(const std::string& address);
+std::unique_ptr<RecorderLink> connect_recorder(const std::string& address, double silence = kNoLimit);
 
 /// What Motion and Force may travel by.
 enum class ArraysBy {
@@ -37,12 +41,10 @@ enum class ArraysBy {
   Messages  ///< like everything else
 };
 
-inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-
 /// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
 /// @param welcome   what everyone accepted is told; a Join must know no scene or the one of `welcome.scene_digest`
 /// @param recorder  a recorder takes part, too
-/// @param silence   s without a sign of life of a process, computing or not, after which either end is rid of the other
+/// @param silence   s without a sign of life of a participant after which it counts as lost
 /// @throws std::runtime_error if the address cannot be bound
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
                                              std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox,

@@ -12,7 +12,11 @@ namespace interply::exchange {
 
 class ZeromqClient {
  public:
-  explicit ZeromqClient(const std::string& address) : address_(address) { socket_.connect(address); }
+  /// @param silence  of the coordinator after which it counts as lost, s
+  ZeromqClient(const std::string& address, double silence) : address_(address) {
+    socket_.end_silence(silence);
+    socket_.connect(address);
+  }
 
   /// @param offer  receives what the coordinator offers for arrays
   Welcome join(const Join& join, double deadline, MailOffer& offer);

@@ -7,7 +7,7 @@ namespace {
 
 class ZeromqRecorder final : public RecorderLink {
  public:
-  explicit ZeromqRecorder(const std::string& address) : client_(address) {}
+  ZeromqRecorder(const std::string& address, double silence) : client_(address, silence) {}
 
   Welcome join(const Join& join, double deadline) override {
     MailOffer none;
@@ -42,8 +42,8 @@ class ZeromqRecorder final : public RecorderLink {
 
 }  // namespace
 
-std::unique_ptr<RecorderLink> connect_recorder(const std::string& address) {
-  return std::make_unique<ZeromqRecorder>(address);
+std::unique_ptr<RecorderLink> connect_recorder(const std::string& address, double silence) {
+  return std::make_unique<ZeromqRecorder>(address, silence);
 }
 
 }  // namespace interply::exchange

@@ -19,8 +19,7 @@ namespace {
 constexpr int kLinger = 1000;           ///< ms that a closed socket still tries to deliver what it sent
 constexpr int kSendTimeout = 5000;      ///< ms until a full queue counts as a loss
 constexpr int kHeartbeat = 1000;        ///< ms between signs of life
-constexpr int kLongestTtl = 65000;      ///< ms that ZeroMQ 4.3 can tell the other end, which counts them in 16 bits
-constexpr double kLongestSilence = 1e6;  ///< s
+constexpr double kLongestSilence = 1e6;  ///< s; longer ones never end
 constexpr int kReconnect = 20;          ///< ms between attempts while nobody listens yet
 constexpr int kQueue = 100;             ///< messages per connection; lock-step needs two
 constexpr int kKernelBuffer = 4 << 20;  ///< bytes; a whole message fits
@@ -104,8 +103,6 @@ void ZeromqSocket::end_silence(double seconds) {
   const int wait = std::max(100, static_cast<int>(1000 * seconds)), every = std::min(kHeartbeat, wait);
   parts_->socket.set(zmq::sockopt::heartbeat_ivl, every);
   parts_->socket.set(zmq::sockopt::heartbeat_timeout, wait);
-  const int ttl = wait + every;  // the last sign of life may be as old as that
-  parts_->socket.set(zmq::sockopt::heartbeat_ttl, ttl <= kLongestTtl ? ttl : 0);
 }
 
 void ZeromqSocket::connect(const std::string& address) {

@@ -35,8 +35,8 @@ class ZeromqSocket {
   void limit_messages(std::int64_t bytes);
   /// Messages to one connection that may wait to leave. Before bind().
   void set_queue(int messages);
-  /// Whoever says nothing for so long has lost its connection, at both ends: a cut link, a host that is gone, a process
-  /// that is stopped. Whoever only computes is heard. Before bind(), s.
+  /// Whoever gives no sign of life for so long has lost its connection: a cut link, a host that is gone, a process that is
+  /// stopped. Whoever only computes is heard. Noticed within a second more. Before bind() or connect(), s.
   void end_silence(double seconds);
   /// @throws BadAddress, std::runtime_error
   void connect(const std::string& address);

@@ -14,7 +14,7 @@ constexpr double kLastWords = 1.5;  ///< s to wait for a message of the coordina
 
 class ZeromqSolver final : public SolverLink {
  public:
-  explicit ZeromqSolver(const std::string& address) : client_(address) {}
+  ZeromqSolver(const std::string& address, double silence) : client_(address, silence) {}
 
   Welcome join(const Join& join, double deadline) override {
     MailOffer offer;
@@ -79,8 +79,8 @@ class ZeromqSolver final : public SolverLink {
 
 }  // namespace
 
-std::unique_ptr<SolverLink> connect_zeromq(const std::string& address) {
-  return std::make_unique<ZeromqSolver>(address);
+std::unique_ptr<SolverLink> connect_zeromq(const std::string& address, double silence) {
+  return std::make_unique<ZeromqSolver>(address, silence);
 }
 
 }  // namespace interply::exchange

@@ -18,15 +18,17 @@ std::string make_private_address(const std::string& carrier, const std::string& 
 
 std::vector<Participant> list_others(const scene::Scene& scene, const RunFolder& folder, const std::string& bound) {
   const fs::path programs = find_program_folder();
+  const std::string silence = fmt::format("{}", scene.exchange.wait_deadline);
   std::vector<Participant> others;
   if (scene.record.frames > 0) {
     others.push_back({"recorder",
-                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out, "--folder-taken"},
+                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out, "--folder-taken", "--silence",
+                       silence},
                       folder.lock.descriptor()});
   }
   for (const auto& layer : scene.layers) {
     const auto* program = layer.kind() == scene::Kind::Fabric ? "interply-solver-fabric" : "interply-solver-metal";
-    others.push_back({layer.name, {programs / program, "--connect", bound, "--layer", layer.name}});
+    others.push_back({layer.name, {programs / program, "--connect", bound, "--layer", layer.name, "--silence", silence}});
   }
   return others;
 }

@@ -140,13 +140,16 @@ int main(int argc, char** argv) {
       "Example: interply-recorder --connect tcp://10.0.0.2:7100 --out results"};
   std::string address, out;
   bool overwrite = false, folder_is_taken = false;
-  double deadline = 60;
+  double deadline = 60, silence = 60;
   app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
       ->required();
   app.add_option("--out", out, "folder of the record")->required();
   app.add_flag("--overwrite", overwrite, "replace an existing record");
   app.add_flag("--folder-taken", folder_is_taken, "whoever started this process has the folder for it");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
+  app.add_option("--silence", silence, "seconds without a sign of life of the coordinator after which to leave")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   ::umask(0077);
@@ -158,7 +161,7 @@ int main(int argc, char** argv) {
     std::optional<record::FolderLock> lock;
     if (!folder_is_taken) lock.emplace(out, "recorder of " + process::to_line(address));
     RecordWriter writer(std::filesystem::path(out) / "record.h5", overwrite);
-    const auto link = exchange::connect_recorder(address);
+    const auto link = exchange::connect_recorder(address, silence);
     const exchange::Welcome welcome = link->join(
         {.layer = "recorder", .pid = static_cast<int>(getpid()), .host = host_name(), .records = true}, deadline);
     spdlog::info("joined {} as the recorder of run {}", address, welcome.run);

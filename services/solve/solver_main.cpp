@@ -63,11 +63,11 @@ int say_how_it_ends(const Work& work) try {
 
 /// From joining to Final. @return the exit code   @throws Refused, SceneError, CoordinatorLost while joining
 int integrate_layer(const std::string& address, const std::string& layer_name, const std::string& scene_file,
-                    double deadline, scene::Kind kind, LayerFactory make_layer) {
+                    double deadline, double silence, scene::Kind kind, LayerFactory make_layer) {
   exchange::Join join{
       .layer = layer_name, .pid = static_cast<int>(getpid()), .host = host_name(), .kind = to_word(kind)};
   if (!scene_file.empty()) join.scene_digest = scene::read_scene(scene_file).digest;
-  const auto link = exchange::connect_zeromq(address);
+  const auto link = exchange::connect_zeromq(address, silence);
   const exchange::Welcome welcome = link->join(join, deadline);
   const scene::Scene scene = scene::parse_scene(welcome.scene_text, "scene of the coordinator");
   const int layer = find_layer(scene, layer_name);
@@ -89,18 +89,21 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
   CLI::App app{std::string("Integrates one ") + to_word(kind) + " layer of a run.\nExample: interply-solver-" +
                to_word(kind) + " --connect tcp://10.0.0.2:7100 --layer ply_2"};
   std::string address, layer, scene_file;
-  double deadline = 60;
+  double deadline = 60, silence = 60;
   app.add_option("--connect", address, "address of the coordinator, shm://PATH, ipc://PATH or tcp://HOST:PORT")
       ->required();
   app.add_option("--layer", layer, "name of the layer in the scene")->required();
   app.add_option("--scene", scene_file,
                  "scene file that must equal the coordinator's (default: take the coordinator's)");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
+  app.add_option("--silence", silence, "seconds without a sign of life of the coordinator after which to leave")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   ::umask(0077);
   std::signal(SIGPIPE, SIG_IGN);
   process::end_by_signals();
-  return say_how_it_ends([&] { return integrate_layer(address, layer, scene_file, deadline, kind, make_layer); });
+  return say_how_it_ends([&] { return integrate_layer(address, layer, scene_file, deadline, silence, kind, make_layer); });
 }
 
 }  // namespace interply::solve
