@@ -98,7 +98,7 @@ TEST_F(RecordOfARun, EndsByTheDeadlineOfTheSceneAndNamesARecorderThatStaysSilent
 }
 
 TEST_F(RecordOfARun, LostAfterTheMechanicsWereDoneLeavesSummaryAndDigest) {
-  Program program = start("out", {"record.frames=4", "exchange.wait_deadline=4", "motion.forming_time=8e-3"});
+  Program program = start("out", {"record.frames=4", "exchange.wait_deadline=20", "motion.forming_time=3e-3"});
   std::map<std::string, pid_t> participants;
   ASSERT_TRUE(program.wait_until([&] {
     return fs::exists(out() / "record.h5") && record::RecordReader(out() / "record.h5").frames_complete() >= 1;
