@@ -12,10 +12,13 @@ namespace interply::record {
 namespace {
 
 /// Keeps HDF5 from printing its error stack: check() reports errors. And from closing files once more when the process
-/// ends, which crashes for a file that a full disk has not let it close; every Handle closes its own.
+/// ends, which crashes for a file that a full disk has not let it close; every Handle closes its own. Each thread has an
+/// error stack of its own.
 void prepare() {
-  static const bool done = H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
-  (void)done;
+  static const bool once = H5dont_atexit() >= 0;
+  thread_local const bool in_this_thread = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+  (void)once;
+  (void)in_this_thread;
 }
 
 /// What the system said, of a description that quotes it: "..., error message = 'No space left on device', ...".
@@ -155,10 +158,12 @@ std::string read_attribute(const Handle& object, const std::string& name) {
 }
 
 Handle open_dataset(const Handle& parent, const std::string& path) {
+  prepare();
   return Handle(check(H5Dopen2(parent.id(), path.c_str(), H5P_DEFAULT), fmt::format("open dataset {}", path)));
 }
 
 Shape shape_of(const Handle& dataset) {
+  prepare();
   const Handle space(check(H5Dget_space(dataset.id()), "open a data space"));
   Shape shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space.id()), "read a shape")));
   if (!shape.empty()) check(H5Sget_simple_extent_dims(space.id(), shape.data(), nullptr), "read a shape");
@@ -166,9 +171,11 @@ Shape shape_of(const Handle& dataset) {
 }
 
 void write_all(const Handle& dataset, const double* data) {
+  prepare();
   check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "write to the record");
 }
 void write_all(const Handle& dataset, const int* data) {
+  prepare();
   check(H5Dwrite(dataset.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "write to the record");
 }
 
@@ -189,6 +196,7 @@ void write_scalar(const Handle& dataset, int value) { write_all(dataset, &value)
 
 void write_text(const Handle& dataset, const std::vector<std::string>& texts) {
   if (texts.empty()) return;
+  prepare();
   const Handle type(check(H5Dget_type(dataset.id()), "read a type"));
   const std::size_t length = H5Tget_size(type.id());
   std::string buffer(length * texts.size(), '\0');
@@ -231,6 +239,9 @@ std::vector<std::string> read_text(const Handle& dataset) {
   return texts;
 }
 
-void flush(const Handle& file) { check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flush the record"); }
+void flush(const Handle& file) {
+  prepare();
+  check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flush the record");
+}
 
 }  // namespace interply::record
