@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "process/signals.hpp"
+
 namespace interply::launch {
 namespace {
 
@@ -16,8 +18,8 @@ constexpr double kGraceAfterLoss = 1.5;
 constexpr double kRecorderGraceAfterLoss = 5;
 constexpr double kCoordinatorAfterSuspect = 5;
 constexpr double kGraceAfterCancel = 1.0;  ///< with the next but two, all have ended within 2 s of a signal
-constexpr double kSolversAfterCoordinator = 3;
-constexpr double kRecorderAfterCoordinator = 30;
+constexpr double kGraceAfterCoordinator = 3;    ///< which has waited for all that joined
+constexpr double kGraceAfterItsCancel = 0.3;    ///< who joins too late knows nothing of it
 constexpr double kKillAfterTerminate = 0.6;
 
 /// A process that leaves with one of these has said why, or was told to: by itself no reason to name it as lost.
@@ -43,9 +45,8 @@ std::optional<std::string> after_prefix(const std::string& line, const std::stri
 }  // namespace
 
 Federation::Federation(FederationPlan plan, Terminal& terminal) : plan_(std::move(plan)), terminal_(terminal) {
-  sigset_t handled;
-  sigemptyset(&handled);
-  for (const int signal : {SIGCHLD, SIGINT, SIGTERM, SIGHUP}) sigaddset(&handled, signal);
+  sigset_t handled = process::list_end_signals();
+  sigaddset(&handled, SIGCHLD);
   sigprocmask(SIG_BLOCK, &handled, &old_mask_);
   signals_ = signalfd(-1, &handled, SFD_NONBLOCK | SFD_CLOEXEC);
   if (signals_ < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
@@ -178,11 +179,8 @@ void Federation::handle_end(Supervised& ended) {
 }
 
 void Federation::handle_coordinator_end(const Child& coordinator) {
-  const bool orderly = is_orderly(coordinator);
-  for (auto& p : processes_) {
-    const bool recorder = p.child->name() == "recorder";
-    limit(p, !orderly ? kGraceAfterLoss : recorder ? kRecorderAfterCoordinator : kSolversAfterCoordinator);
-  }
+  const bool cancelled = !coordinator.was_killed() && coordinator.exit_code() == kCancelled;
+  limit_all(cancelled ? kGraceAfterItsCancel : is_orderly(coordinator) ? kGraceAfterCoordinator : kGraceAfterLoss);
   if (cause_) return;
   result_.exit_code = coordinator.was_killed() ? kLost : coordinator.exit_code();
   if (result_.exit_code == kDone) return;

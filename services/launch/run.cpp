@@ -13,6 +13,7 @@
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
 #include "process/limits.hpp"
+#include "process/signals.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/watch.hpp"
@@ -117,6 +118,7 @@ void print_result(const RunResult& result, const RunFolder& folder, bool quiet, 
 int run_command(const RunOptions& options) {
   ::umask(0077);                  // what a run writes is the user's alone
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
+  process::end_at_once_by_signals(kCancelled);
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
   const scene::Scene scene = scene::read_scene(options.scene, overrides);

@@ -13,6 +13,7 @@
 #include "launch/layer_factories.hpp"
 #include "launch/run.hpp"
 #include "observe/run_sink.hpp"
+#include "process/signals.hpp"
 #include "record/writer.hpp"
 
 namespace interply::launch {
@@ -23,8 +24,7 @@ namespace {
 class SignalWatch {
  public:
   explicit SignalWatch(std::function<void()> cancel) : cancel_(std::move(cancel)) {
-    sigemptyset(&handled_);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&handled_, signal);
+    handled_ = process::list_end_signals();
     pthread_sigmask(SIG_BLOCK, &handled_, &old_mask_);
     thread_ = std::thread([this] { wait(); });
   }

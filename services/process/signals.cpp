@@ -23,6 +23,25 @@ void end_within(double seconds, int exit_code) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
+sigset_t list_end_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    ::sigaction(signal, nullptr, &before);
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) sigaddset(&signals, signal);
+  }
+  return signals;
+}
+
+void end_at_once_by_signals(int exit_code) {
+  static volatile int code = 0;
+  code = exit_code;
+  const sigset_t signals = list_end_signals();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (sigismember(&signals, signal) == 1) std::signal(signal, [](int) { ::_exit(code); });
+}
+
 struct EndRequests::Parts {
   const int exit_code;
   const pid_t launcher = ::getppid();
@@ -46,12 +65,7 @@ struct EndRequests::Parts {
 };
 
 EndRequests::EndRequests(int exit_code) : parts_(new Parts{.exit_code = exit_code}) {
-  sigemptyset(&parts_->handled);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction before {};
-    ::sigaction(signal, nullptr, &before);
-    if (signal != SIGHUP || before.sa_handler != SIG_IGN) sigaddset(&parts_->handled, signal);
-  }
+  parts_->handled = list_end_signals();
   pthread_sigmask(SIG_BLOCK, &parts_->handled, nullptr);
   std::thread([parts = parts_] { parts->watch(); }).detach();
 }

@@ -1,6 +1,7 @@
 /// How a process of a run is asked to end, and that it does.
 #pragma once
 
+#include <csignal>
 #include <functional>
 #include <string>
 
@@ -13,7 +14,13 @@ inline constexpr double kGrace = 1.7;
 /// wait for. The first call of a process decides.
 void end_within(double seconds, int exit_code);
 
-/// Takes SIGINT, SIGTERM and SIGHUP, the last unless it was ignored when the process began (nohup). The first one is told
+/// SIGINT, SIGTERM and SIGHUP, the last unless it was ignored when the process began (nohup).
+sigset_t list_end_signals();
+
+/// While nothing has been started yet: these signals end the process at once, with this exit code.
+void end_at_once_by_signals(int exit_code);
+
+/// Takes the signals of list_end_signals(). The first one is told
 /// to whoever wants to know and ends the process within kGrace; the second ends it at once. For the start of main():
 /// threads that began earlier would die of them. One per process.
 class EndRequests {
