@@ -81,6 +81,7 @@ class InProcessSolver final : public SolverLink {
   Welcome join(const Join& join, double) override {
     const Lock lock(state_->mutex);
     if (state_->closed) throw CoordinatorLost("the coordinator has ended before this layer joined");
+    if (state_->stopped) throw Stopped(state_->stopped->first, state_->stopped->second);
     const Admission::Verdict verdict = state_->admission.judge(join);
     if (verdict.who < 0) {
       state_->refusals.warn("a thread:", verdict.refusal, verdict.refusal);

@@ -115,7 +115,8 @@ class ZeromqCoordinator final : public CoordinatorLink {
 
   void stop(StopReason reason, const std::string& message) override {
     admission_.close(message);
-    const Bytes frame = encoder_.encode(Stop{reason, message});
+    stopped_ = Stop{reason, message};
+    const Bytes frame = encoder_.encode(*stopped_);
     for (int who = 0; who < admission_.n_layers(); ++who)
       if (admission_.is_active(who)) socket_.send(peer(who).identity, frame);
   }
@@ -234,6 +235,10 @@ class ZeromqCoordinator final : public CoordinatorLink {
     decoder_.read(join);
     if (known >= 0) return refuse(known, "join", "sent a second join");
     const std::string identity(socket_.identity());
+    if (stopped_) {  // no fault of whoever comes late
+      socket_.send(identity, encoder_.encode(*stopped_));
+      return {};
+    }
     const Admission::Verdict verdict = admission_.judge(join);
     if (verdict.who < 0) {
       socket_.send(identity, encoder_.encode(Refusal{verdict.refusal}));
@@ -334,6 +339,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
   ZeromqSocket socket_{ZeromqSocket::Type::Router};
   Encoder encoder_;
   Decoder decoder_;
+  std::optional<Stop> stopped_;
   std::unique_ptr<MailRoom> mail_;  ///< null: everything travels as messages
   int n_owed_ = 0;                  ///< of all peers
   std::int64_t bytes_recorded_ = 0;

@@ -292,7 +292,7 @@ TEST_P(CarrierTest, StopReachesEveryoneWithItsReason) {
   a.reset();
   b.reset();
   EXPECT_EQ(table.coordinator().receive(0.2).kind, Event::Kind::None) << "leaving when told to is no suspicion";
-  EXPECT_NE(get_refusal(table, make_join("ply_1")), "");
+  EXPECT_EQ(get_refusal<Stopped>(table, make_join("ply_1")), "ply_2 inverted element 7") << "who comes too late is told";
 }
 
 TEST_P(CarrierTest, StopStillLeavesWhenTheCoordinatorEndsAtOnce) {

@@ -154,12 +154,13 @@ std::string get_message(Call&& call) {
 }
 
 /// The sentence with which the coordinator refuses a join; it must see no event from it.
-inline std::string get_refusal(Table& table, const Join& join) {
+template <typename Answer = Refused>
+std::string get_refusal(Table& table, const Join& join) {
   auto link = table.connect();
   std::string said;
   std::atomic<bool> done{false};
   std::thread joining([&] {
-    said = get_message<Refused>([&] { link->join(join, kPatience); });
+    said = get_message<Answer>([&] { link->join(join, kPatience); });
     done = true;
   });
   while (!done) EXPECT_EQ(table.coordinator().receive(0.01).kind, Event::Kind::None);

@@ -69,7 +69,9 @@ bool is_anyone_there(const std::map<std::string, pid_t>& participants, const std
 
 void expect_fitting_words(const Kill& kill, int exit_code, const std::string& said, const fs::path& out) {
   const bool is_told = kill.role == "launcher" || kill.role == "coordinator";
-  // a coordinator that has not come to main() yet is killed by any signal, and then that is said
+  // who has not come to main() yet is killed by any signal: a launcher that has started nothing, a coordinator that is
+  // named for it
+  if (kill.role == "launcher" && exit_code == 128 + kill.signal && !fs::exists(out)) return;
   const bool is_killed = kill.signal == SIGKILL || (kill.role == "coordinator" && exit_code == 4);
   const bool is_cancelled = is_told && !is_killed;
   if (kill.role == "launcher" && kill.signal == SIGKILL)
@@ -113,14 +115,17 @@ TEST(KillStorm, LeavesNothingBehindAndSaysWhatHappened) {
     const int exit_code = program.wait();
     while (is_anyone_there(participants, out.string()) && seconds_since(killed) < kPatience)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    slowest = std::max(slowest, seconds_since(killed));
-    EXPECT_LT(seconds_since(killed), kEnd + kBusy);
+    const double seconds = seconds_since(killed);
+    if (seconds > slowest)
+      std::printf("%s over %s, signal %d after %.3f s: all had ended after %.2f s\n", kill.role.c_str(),
+                  kill.carrier.c_str(), kill.signal, kill.delay, seconds);
+    slowest = std::max(slowest, seconds);
+    EXPECT_LT(seconds, kEnd + kBusy);
     EXPECT_FALSE(is_anyone_there(participants, out.string()));
     EXPECT_FALSE(fs::exists(out / "record.h5.partial"));
     EXPECT_FALSE(fs::exists(out / "record.xdmf.partial"));
     expect_fitting_words(kill, exit_code, program.said(), out);
   }
-  std::printf("the slowest end took %.2f s\n", slowest);
 }
 
 }  // namespace
