@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "mechanics/digest.hpp"
@@ -96,6 +98,16 @@ std::string describe_owner(const std::string& purpose) {
                      fmt::localtime(std::time(nullptr)));
 }
 
+/// Who has the lock; a moment ago it may have been nobody's and not say yet.
+std::string read_owner(const fs::path& lock) {
+  for (int i = 0; i < 20; ++i) {
+    if (const std::string said = read_start(lock, 1024); said.starts_with(kLockMark))
+      return process::to_line(said.substr(kLockMark.size()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return "another process";
+}
+
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder, const std::string& purpose) : file_(folder / kLockName) {
@@ -114,9 +126,8 @@ FolderLock::FolderLock(const fs::path& folder, const std::string& purpose) : fil
       errno = error;
       fail(fmt::format("cannot lock {}", file_.string()));
     }
-    const std::string owner = said.empty() ? "another process" : said.substr(kLockMark.size());
     throw FolderRefused(fmt::format("{} is taken by another run ({}): choose another --out, or wait for its end",
-                                    folder.string(), process::to_line(owner)));
+                                    folder.string(), read_owner(file_)));
   }
   const std::string owner = describe_owner(purpose);
   if (::ftruncate(descriptor_, 0) != 0 ||
