@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "process/words.hpp"
 
@@ -13,22 +12,6 @@ namespace interply::exchange {
 namespace {
 
 constexpr std::size_t kLines = 200;  ///< refusals that are logged in one run
-
-/// Levenshtein distance.
-std::size_t compute_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// What a peer wrote, fit for a log line: short and printable.
 std::string quote(const std::string& text) { return '"' + process::to_line(text, 64) + '"'; }
@@ -41,7 +24,7 @@ std::string describe(const Join& join) {
 
 Admission::Admission(std::uint64_t scene_digest, std::vector<Expected> expected, bool recorder)
     : scene_digest_(scene_digest), recorder_(recorder) {
-  if (recorder) expected.push_back({.layer = "recorder"});
+  if (recorder) expected.push_back({.layer = kRecorder, .kind = kRecorder});
   for (Expected& e : expected) {
     seats_.emplace_back();
     seats_.back().expected = std::move(e);
@@ -63,29 +46,30 @@ std::int64_t Admission::largest_sample() const {
 std::string Admission::find_nearest(const std::string& layer) const {
   const auto nearest =
       std::min_element(seats_.begin(), seats_.begin() + n_layers(), [&](const Seat& a, const Seat& b) {
-        return compute_distance(layer, a.expected.layer) < compute_distance(layer, b.expected.layer);
+        return process::count_edits(layer, a.expected.layer) < process::count_edits(layer, b.expected.layer);
       });
   return n_layers() == 0 ? "" : nearest->expected.layer;
 }
 
 Admission::Verdict Admission::judge(const Join& join) {
+  const bool records = join.kind == kRecorder;
   const auto refuse = [&](const std::string& why) {
-    const std::string name = join.records ? "the recorder" : "layer " + quote(join.layer);
+    const std::string name = records ? "the recorder" : "layer " + quote(join.layer);
     return Verdict{-1, fmt::format("{} may not join: {}", name, why)};
   };
   if (join.version != kVersion)
     return refuse(fmt::format("it runs interply {}, the coordinator {}: start all processes from one build",
                               quote(join.version), kVersion));
   if (join.layer.size() > 256) return refuse("its name is longer than 256 characters");
-  if (join.records && !recorder_)
+  if (records && !recorder_)
     return refuse("this run keeps no record; set record.frames and leave --no-record out for one");
   const auto layers_end = seats_.begin() + n_layers();
-  const auto found = join.records ? layers_end : std::find_if(seats_.begin(), layers_end, [&](const Seat& s) {
+  const auto found = records ? layers_end : std::find_if(seats_.begin(), layers_end, [&](const Seat& s) {
     return s.expected.layer == join.layer;
   });
-  if (!join.records && found == layers_end)
+  if (!records && found == layers_end)
     return refuse(fmt::format("the scene has no such layer, the nearest is {}", quote(find_nearest(join.layer))));
-  if (const std::string& kind = found->expected.kind; !join.records && join.kind != kind)
+  if (const std::string& kind = found->expected.kind; join.kind != kind)
     return refuse(fmt::format("it is a {} layer and this solver computes {}: start interply-solver-{} for it", kind,
                               quote(join.kind), kind));
   if (join.scene_digest != 0 && join.scene_digest != scene_digest_)

@@ -28,14 +28,16 @@ struct LayerEnergies {
   double contact_work = 0;   ///< work done on the layer by contact forces
 };
 
+/// Kind of the participant that keeps the record, and its name.
+inline constexpr const char* kRecorder = "recorder";
+
 struct Join {
   std::string version = kVersion;
   std::uint64_t scene_digest = 0;  ///< of the solver's own scene; 0: it has none and takes the coordinator's
   std::string layer;
   int pid = 0;
   std::string host;
-  std::string kind;      ///< of layers that this solver computes: "fabric" or "metal"
-  bool records = false;  ///< it is the recorder: `layer` and `kind` have no meaning
+  std::string kind;  ///< of layers that this solver computes: "fabric" or "metal"; kRecorder has no layer
 };
 
 /// Coordinator -> solver, the answer to Join. A solver started by hand needs nothing else: address and layer name

@@ -114,7 +114,6 @@ Bytes Encoder::encode(const Join& join) {
   to.set_pid(join.pid);
   to.set_host(join.host);
   to.set_kind(join.kind);
-  to.set_records(join.records);
   write(header, 0);
   return finish();
 }
@@ -323,7 +322,6 @@ void Decoder::read(Join& join) const {
   join.pid = from.pid();
   join.host = from.host();
   join.kind = from.kind();
-  join.records = from.records();
 }
 
 void Decoder::read(Welcome& welcome) const {

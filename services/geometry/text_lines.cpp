@@ -3,30 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
 #include "geometry/read_file.hpp"
+#include "process/words.hpp"
 
 namespace interply::geometry {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
-
-/// Levenshtein distance.
-std::size_t compute_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 }  // namespace
 
@@ -118,7 +102,7 @@ std::string suggest_set(const std::string& set, const std::vector<std::string>& 
   if (known.empty()) return "; it has none";
   const std::string asked = quote(set);
   const auto distance = [&](const std::string& name) {
-    return compute_distance(to_lower(set.substr(0, 60)), to_lower(name.substr(0, 60)));
+    return process::count_edits(to_lower(set.substr(0, 60)), to_lower(name.substr(0, 60)));
   };
   const auto nearest =
       std::min_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(std::min(known.size(), kCompared)),

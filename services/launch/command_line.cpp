@@ -6,7 +6,6 @@
 #include <fstream>
 #include <iostream>
 #include <new>
-#include <numeric>
 #include <sstream>
 
 #include "exchange/link.hpp"
@@ -15,6 +14,7 @@
 #include "launch/check.hpp"
 #include "launch/point.hpp"
 #include "launch/run.hpp"
+#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::launch {
@@ -29,21 +29,6 @@ constexpr const char* kFooter = R"(exit codes:
   5  cancelled (Ctrl-C); the record holds every complete frame
 
 `interply COMMAND --help` shows an example of each command.)";
-
-std::size_t compute_edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 std::vector<std::string> list_options(const CLI::App& app) {
   std::vector<std::string> names;
@@ -149,7 +134,7 @@ CLI::App* add_point(CLI::App& app, PointOptions& options) {
 
 std::string find_nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
   const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return compute_edit_distance(word, a) < compute_edit_distance(word, b);
+    return process::count_edits(word, a) < process::count_edits(word, b);
   });
   return nearest == candidates.end() ? "" : *nearest;
 }

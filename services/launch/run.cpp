@@ -138,11 +138,12 @@ int run_command(const RunOptions& options) {
                                               : run_federated(scene, folder, run_name, address, terminal);
   if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
     std::ofstream(folder.summary()) << result.summary_json;
-  if (result.exit_code != kDone) try {
+  try {
+    if (result.exit_code != kDone)
       record::settle_record(folder.out, find_status(result.exit_code), result.message);
-    } catch (const std::exception& e) {  // the disk that ended the run
-      terminal.note(fmt::format("warning: the record does not say how the run ended: {}", e.what()));
-    }
+  } catch (const std::exception& e) {  // the disk that ended the run
+    terminal.note(fmt::format("warning: the record does not say how the run ended: {}", e.what()));
+  }
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;
 }

@@ -1,6 +1,10 @@
 #include "process/words.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <numeric>
+#include <vector>
 
 namespace interply::process {
 
@@ -39,6 +43,26 @@ std::string to_line(std::string_view text, std::size_t most) {
     }
   }
   return line;
+}
+
+std::size_t count_edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (const char c : a) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (c == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string host_name() {
+  char name[256] = {};
+  ::gethostname(name, sizeof(name) - 1);
+  return name;
 }
 
 }  // namespace interply::process

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -126,12 +125,6 @@ int take_part(exchange::RecorderLink& link, RecordWriter& writer) {
   }
 }
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -163,7 +156,11 @@ int main(int argc, char** argv) {
     RecordWriter writer(std::filesystem::path(out) / "record.h5", overwrite);
     const auto link = exchange::connect_recorder(address, silence);
     const exchange::Welcome welcome = link->join(
-        {.layer = "recorder", .pid = static_cast<int>(getpid()), .host = host_name(), .records = true}, deadline);
+        {.layer = exchange::kRecorder,
+         .pid = static_cast<int>(getpid()),
+         .host = process::host_name(),
+         .kind = exchange::kRecorder},
+        deadline);
     spdlog::info("joined {} as the recorder of run {}", address, welcome.run);
     const int exit_code = take_part(*link, writer);
     process::end_within(process::kGrace, exit_code);  // whatever closing the link waits for

@@ -92,9 +92,7 @@ bool is_still_there(int descriptor, const fs::path& file) {
 }
 
 std::string describe_owner(const std::string& purpose) {
-  char host[256] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  return fmt::format("{}{}, process {} on {} since {:%F %T}", kLockMark, purpose, ::getpid(), host,
+  return fmt::format("{}{}, process {} on {} since {:%F %T}", kLockMark, purpose, ::getpid(), process::host_name(),
                      fmt::localtime(std::time(nullptr)));
 }
 

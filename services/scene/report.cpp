@@ -3,28 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <numeric>
 
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
 namespace interply::scene {
 namespace {
-
-/// Levenshtein distance: insertions, deletions and substitutions of characters.
-std::size_t compute_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// True for `path` itself and for everything in it.
 bool is_inside(const std::string& inner, const std::string& path) {
@@ -71,10 +55,10 @@ std::string suggest(const std::string& word, const std::vector<std::string>& nam
   if (names.empty()) return "";
   if (word.size() > 100) return "; known: " + enumerate(names);
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
-    return compute_distance(word, a) < compute_distance(word, b);
+    return process::count_edits(word, a) < process::count_edits(word, b);
   });
   const std::size_t allowed = std::max<std::size_t>(2, nearest->size() / 3);
-  const std::size_t distance = compute_distance(word, *nearest);
+  const std::size_t distance = process::count_edits(word, *nearest);
   if (distance > 0 && distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
   return "; known: " + enumerate(names);
 }

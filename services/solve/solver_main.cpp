@@ -28,12 +28,6 @@ int find_layer(const scene::Scene& scene, const std::string& name) {
   return found == scene.layers.end() ? -1 : static_cast<int>(found - scene.layers.begin());
 }
 
-std::string host_name() {
-  char name[256] = {};
-  gethostname(name, sizeof name - 1);
-  return name;
-}
-
 /// Does the work and says what ended it, if that was not its end. @return the exit code
 template <typename Work>
 int say_how_it_ends(const Work& work) try {
@@ -65,7 +59,7 @@ int say_how_it_ends(const Work& work) try {
 int integrate_layer(const std::string& address, const std::string& layer_name, const std::string& scene_file,
                     double deadline, double silence, scene::Kind kind, LayerFactory make_layer) {
   exchange::Join join{
-      .layer = layer_name, .pid = static_cast<int>(getpid()), .host = host_name(), .kind = to_word(kind)};
+      .layer = layer_name, .pid = static_cast<int>(getpid()), .host = process::host_name(), .kind = to_word(kind)};
   if (!scene_file.empty()) join.scene_digest = scene::read_scene(scene_file).digest;
   const auto link = exchange::connect_zeromq(address, silence);
   const exchange::Welcome welcome = link->join(join, deadline);

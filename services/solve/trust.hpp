@@ -13,8 +13,8 @@ namespace interply::solve {
 /// An element whose quantity is larger than the limit is outside.
 struct TrustLimit {
   std::string quantity, unit;
-  double limit = 0;
-  std::string meaning;  ///< of what lies beyond, with the source of the limit
+  double limit = 0;     ///< in that unit; sources in THEORY.md 3 of the solvers
+  std::string meaning;  ///< what lies beyond, a clause for a sentence
 };
 
 /// Counts the elements of a layer outside each of its limits, frame by frame.
@@ -22,7 +22,8 @@ class TrustBook {
  public:
   TrustBook(std::vector<TrustLimit> limits, const mechanics::TriangleMesh& mesh);
 
-  /// @param quantities  in the order of the limits [n_limits x n_elements]
+  /// @param time        of the state, s
+  /// @param quantities  in the order and units of the limits [n_limits x n_elements]
   void note(double time, const Eigen::ArrayXXd& quantities);
 
   /// Of the state last noted: per element the sum of 2^i over the limits i that it has passed.

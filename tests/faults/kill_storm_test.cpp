@@ -113,8 +113,13 @@ TEST(KillStorm, LeavesNothingBehindAndSaysWhatHappened) {
     const auto killed = std::chrono::steady_clock::now();
     ::kill(victim, kill.signal);
     const int exit_code = program.wait();
-    while (is_anyone_there(participants, out.string()) && seconds_since(killed) < kPatience)
+    for (bool late = false; is_anyone_there(participants, out.string()) && seconds_since(killed) < kPatience;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (late || seconds_since(killed) < kEnd + kBusy) continue;
+      late = true;
+      for (const auto& [role, pid] : participants)
+        if (!is_gone(pid)) std::printf("%s is still there: %s\n", role.c_str(), describe_process(pid).c_str());
+    }
     const double seconds = seconds_since(killed);
     if (seconds > slowest)
       std::printf("%s over %s, signal %d after %.3f s: all had ended after %.2f s\n", kill.role.c_str(),

@@ -150,6 +150,20 @@ inline bool is_under_way(const fs::path& out) {
   return fs::exists(out / "record.h5") && record::RecordReader(out / "record.h5").frames_complete() >= 2;
 }
 
+/// What a process is doing: its command, then name, state and kernel function of each thread. For the log of a test that
+/// waits for it in vain.
+inline std::string describe_process(pid_t pid) {
+  std::string text = read_command(pid);
+  std::error_code gone;
+  for (const auto& thread : fs::directory_iterator(fs::path("/proc") / std::to_string(pid) / "task", gone)) {
+    const std::string stat = read_text(thread.path() / "stat");
+    const auto name = stat.find('('), end = stat.rfind(')');
+    if (end == std::string::npos || end + 2 >= stat.size()) continue;
+    text += "\n    " + stat.substr(name + 1, end - name - 1) + " " + stat[end + 2] + " " + read_text(thread.path() / "wchan");
+  }
+  return text;
+}
+
 inline bool is_gone(pid_t pid) { return read_command(pid).empty(); }
 
 }  // namespace interply::faults

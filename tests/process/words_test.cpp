@@ -27,5 +27,13 @@ TEST(ToLine, IsCutToALength) {
   EXPECT_EQ(to_line("abc", 3), "abc");
 }
 
+TEST(CountEdits, IsTheFewestInsertionsDeletionsAndSubstitutions) {
+  EXPECT_EQ(count_edits("", "ply"), 3u);
+  EXPECT_EQ(count_edits("ply_1", "ply_1"), 0u);
+  EXPECT_EQ(count_edits("ply1", "ply_1"), 1u);
+  EXPECT_EQ(count_edits("kitten", "sitting"), 3u);
+  EXPECT_EQ(count_edits("sitting", "kitten"), 3u);
+}
+
 }  // namespace
 }  // namespace interply::process
