@@ -15,6 +15,7 @@
 #include "mechanics/digest.hpp"
 #include "observe/run_sink.hpp"
 #include "observe/tee_sink.hpp"
+#include "process/arguments.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
@@ -77,16 +78,17 @@ int main(int argc, char** argv) {
   app.add_option("--scene-digest", digest, "digest that the resolved scene must have, 16 hexadecimal digits");
   app.add_option("--run", run_name, "name of this run; monitors use it");
   app.add_flag("--no-record", no_record, "do not wait for a recorder (nor without frames: record.frames=0)");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
   ::umask(0077);
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
   process::EndRequests requests(5);
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
     if (!digest.empty() && digest != mechanics::to_hex(scene.digest))
-      throw scene::SceneError(fmt::format("{}: is not the scene that this run was started with (digest {} instead of {}): "
-                                          "somebody has changed it meanwhile; start the run again",
-                                          scene_file, mechanics::to_hex(scene.digest), digest));
+      throw scene::SceneError(
+          fmt::format("{}: is not the scene that this run was started with (digest {} instead of {}): "
+                      "somebody has changed it meanwhile; start the run again",
+                      scene_file, mechanics::to_hex(scene.digest), digest));
     coordinator::check_tools(scene);
     solve::check_network(scene);
     const bool keeps_record = scene.record.frames > 0 && !no_record;

@@ -106,12 +106,12 @@ std::string format_time(double seconds) {
 }  // namespace
 
 std::string format_progress(const Progress& p) {
-  std::string line = fmt::format(
-      "stroke {:5.1f} mm  step {:>7}  t {:.3f}/{:.3f} ms  dt {:.2e} s  punch {:.2f} kN  "
-      "energy residual {:+.3f} %",
-      p.stroke, p.step, 1e3 * p.time, 1e3 * p.end_time, p.dt, 1e-3 * p.punch_force, 100 * p.residual);
-  if (p.seconds_left >= 0) line += "  left " + format_time(p.seconds_left);
-  if (!p.waiting_for.empty()) line += "  waiting for " + p.waiting_for;
+  std::string line;  // what matters first: a narrow terminal cuts the end
+  if (p.seconds_left >= 0) line += fmt::format("left {:>7}  ", format_time(p.seconds_left));
+  if (!p.waiting_for.empty()) line += fmt::format("waiting for {}  ", p.waiting_for);
+  line += fmt::format(
+      "stroke {:5.1f} mm  punch {:.2f} kN  energy residual {:+.3f} %  step {:>7}  dt {:.2e} s  t {:.3f}/{:.3f} ms",
+      p.stroke, 1e-3 * p.punch_force, 100 * p.residual, p.step, p.dt, 1e3 * p.time, 1e3 * p.end_time);
   return line;
 }
 
@@ -139,8 +139,8 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
       set(entry.mutable_quantity(), item.value, item.unit);
     }
     set(layer.mutable_draw_in(), measure_draw_in(forming.stack().layer(static_cast<int>(i))));
-    set(layer.mutable_kinetic_to_internal(),
-        100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], kNegligible), "%");
+    set(layer.mutable_kinetic_to_internal(), 100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], kNegligible),
+        "%");
     for (const exchange::OutsideTrust& passed : finals[i].outside_trust)
       set(layer.add_outside_trust(), passed, forming.compute_stroke(passed.first_time));
   }

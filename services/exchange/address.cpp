@@ -155,6 +155,12 @@ std::string to_endpoint(const Address& a) {
   return to_text({.scheme = Address::Scheme::Internet, .host = host, .port = a.port});
 }
 
+std::string find_missing_socket(const std::string& address) {
+  const Address parsed = parse_address(address, AddressUse::Connect);
+  const bool is_file = parsed.scheme != Address::Scheme::Internet && !parsed.path.starts_with('@');
+  return is_file && ::access(parsed.path.c_str(), F_OK) != 0 ? parsed.path : "";
+}
+
 void check_listening(const std::string& text) {
   const Address a = parse_address(text, AddressUse::Listen);
   if (a.scheme != Address::Scheme::Internet) {

@@ -38,6 +38,9 @@ Address parse_address(const std::string& text, AddressUse use);
 /// @throws BadAddress if the host is unknown here
 std::string to_endpoint(const Address& address);
 
+/// The file of a Unix socket that is not there (yet), or nothing. @throws BadAddress
+std::string find_missing_socket(const std::string& address);
+
 /// Why a coordinator of this host cannot listen there. Nothing stays bound.
 /// @throws BadAddress if it never could; std::runtime_error if somebody else does at present
 void check_listening(const std::string& address);

@@ -128,7 +128,7 @@ void print_cost(const scene::Scene& scene, const std::vector<LayerCheck>& layers
 }  // namespace
 
 int check_command(const CheckOptions& options, std::ostream& out) {
-  const scene::Scene scene = scene::read_scene(options.scene, options.overrides);
+  const scene::Scene scene = scene::read_scene(options.scene, options.overrides, options.overlays);
   const auto law_warnings = check_laws(scene);
   const auto tool_warnings = coordinator::check_tools(scene);
   std::string occupied;
@@ -146,7 +146,8 @@ int check_command(const CheckOptions& options, std::ostream& out) {
 
   const coordinator::Votes votes = collect_votes(scene, layers);
 
-  out << fmt::format("{}: {} layers, {}{}, stroke {:g} mm\n\n", scene.name, layers.size(), describe_blank(scene.blank),
+  out << fmt::format("{}: {} layer{}, {}{}, stroke {:g} mm\n\n", scene.name, layers.size(),
+                     layers.size() == 1 ? "" : "s", describe_blank(scene.blank),
                      scene.blank.half ? " (half model)" : "", scene.motion.stroke);
   print_layers(scene, layers, out);
   print_cost(scene, layers, votes, read_resident_bytes() - bytes_before, out);

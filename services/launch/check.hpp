@@ -10,7 +10,8 @@ namespace interply::launch {
 
 struct CheckOptions {
   std::filesystem::path scene;
-  std::vector<std::string> overrides;  ///< path=value
+  std::vector<std::string> overrides;           ///< path=value
+  std::vector<std::filesystem::path> overlays;  ///< laid over the scene before the overrides
 };
 
 /// Validates and prints layers, masses, increments, steps, memory, time and warnings. Returns the exit code.

@@ -12,10 +12,12 @@
 #include "launch/bench_command.hpp"
 #include "launch/bench_tools.hpp"
 #include "launch/check.hpp"
+#include "launch/init.hpp"
 #include "launch/point.hpp"
 #include "launch/run.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
+#include "scene/reference.hpp"
 
 namespace interply::launch {
 namespace {
@@ -45,7 +47,14 @@ int refuse(const std::string& sentence) {
 
 /// A word that names no command, or nothing; then of the command's own commands, if it has some.
 std::string find_unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return "";
+  if (argc < 2) return "";
+  if (const std::string word = argv[1]; word.starts_with("-")) {
+    const auto options = list_options(app);
+    const std::string name = word.substr(0, word.find('='));
+    const bool known = !word.starts_with("--") || std::find(options.begin(), options.end(), name) != options.end();
+    if (known || app.get_subcommands(nullptr).empty() || app.get_parent() != nullptr) return "";
+    return "there is no option " + name + "; did you mean " + find_nearest_name(name, options) + "?";
+  }
   std::vector<std::string> names;
   for (const auto* command : app.get_subcommands(nullptr)) {
     names.push_back(command->get_name());
@@ -67,13 +76,16 @@ std::string find_unknown_word(const CLI::App& command) {
          find_nearest_name(name, list_options(command)) + "?";
 }
 
-void add_scene_arguments(CLI::App& command, std::filesystem::path& scene, std::vector<std::string>& overrides) {
-  command.add_option("scene", scene, "scene file (YAML)")->required()->type_name("SCENE");
-  command.add_option("--set", overrides, "override any key of the scene; may be repeated")
-      ->type_name("PATH=VALUE")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
+/// @param options  of a command that takes a scene
+template <class Options>
+void add_scene_arguments(CLI::App& command, Options& options) {
+  command.add_option("scene", options.scene, "scene file (YAML)")->required()->type_name("SCENE");
+  const auto add_repeatable = [&](const char* name, auto& values, const char* help, const char* type) {
+    command.add_option(name, values, help)->type_name(type)->expected(1)->take_all()->allow_extra_args(false);
+  };
+  add_repeatable("--with", options.overlays, "lay a file with part of a scene over it; may be repeated", "FILE");
+  add_repeatable("--set", options.overrides, "override any key of the scene, after that; may be repeated",
+                 "PATH=VALUE");
 }
 
 struct PointOptions {
@@ -92,7 +104,7 @@ int point_command(const PointOptions& options) {
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
   auto* run = app.add_subcommand("run", "form a scene: a federation of processes, a record, a summary");
-  add_scene_arguments(*run, options.scene, options.overrides);
+  add_scene_arguments(*run, options);
   run->add_option("--out", options.out, "folder of the record (default: runs/<scene name>)")->type_name("DIR");
   run->add_flag("--overwrite", options.overwrite, "replace a record that is already there");
   run->add_flag("--in-process", options.in_process, "all participants in this process: the same bits, for debugging");
@@ -104,6 +116,8 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
   run->add_flag("--quiet", options.quiet, "print the digest and errors only");
   run->footer(R"(example:
   interply run deploy/scenes/tetrahedron_fml_coarse.yaml --set layers.ply_2.law.woven.variant=biaxial --out runs/biaxial
+  interply run scene.yaml --with stiff.yaml --set layers.ply_2.law.file=laws/mine.yaml --out runs/mine
+where stiff.yaml holds, for example: layers: {ply_2: {law: {file: laws/woven_stiff.yaml}}}
 )");
   return run;
 }
@@ -111,7 +125,7 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
 CLI::App* add_check(CLI::App& app, CheckOptions& options) {
   auto* check =
       app.add_subcommand("check", "validate a scene; show layers, masses, increments, steps, memory and time");
-  add_scene_arguments(*check, options.scene, options.overrides);
+  add_scene_arguments(*check, options);
   check->footer(R"(example:
   interply check deploy/scenes/tetrahedron_fml.yaml --set blank.mesh_size=5
 )");
@@ -128,6 +142,35 @@ CLI::App* add_point(CLI::App& app, PointOptions& options) {
   interply point law.yaml --path path.csv -o stress.csv
 )");
   return point;
+}
+
+CLI::App* add_init(CLI::App& app, InitOptions& options) {
+  auto* init = app.add_subcommand("init", "write a commented scene that runs: NAME.yaml");
+  init->add_option("name", options.name, "of the scene, and of its file")->required()->type_name("NAME");
+  const auto add_kind = [&](const char* flag, SceneKind kind, const char* help) {
+    return init->add_flag_callback(
+        flag, [&options, kind] { options.kind = kind; }, help);
+  };
+  auto* laminate = add_kind("--fml", SceneKind::Laminate, "a ply between two sheets (default)");
+  auto* plies = add_kind("--plies", SceneKind::Plies, "two plies without metal");
+  auto* sheet = add_kind("--sheet", SceneKind::Sheet, "one steel sheet");
+  laminate->excludes(plies)->excludes(sheet);
+  plies->excludes(sheet);
+  init->footer(R"(example:
+  interply init cup --fml
+  interply run cup.yaml
+)");
+  return init;
+}
+
+CLI::App* add_schema(CLI::App& app, std::string& path) {
+  auto* schema = app.add_subcommand("schema", "print the keys of a scene with default, unit, range and meaning");
+  schema->add_option("path", path, "part of a scene (default: all of it)")->type_name("PATH");
+  schema->footer(R"(examples:
+  interply schema blank
+  interply schema layers.law.woven
+)");
+  return schema;
 }
 
 }  // namespace
@@ -148,8 +191,12 @@ int run_command_line(int argc, char** argv) {
   CheckOptions check_options;
   PointOptions point_options;
   BenchOptions bench_options;
+  InitOptions init_options;
+  std::string schema_path;
   const auto* run = add_run(app, run_options);
   const auto* check = add_check(app, check_options);
+  const auto* init = add_init(app, init_options);
+  const auto* schema = add_schema(app, schema_path);
   add_point(app, point_options);
   const auto* bench = add_bench(app, bench_options);
   for (auto* command : app.get_subcommands(nullptr)) {
@@ -171,6 +218,11 @@ int run_command_line(int argc, char** argv) {
   try {
     if (command == run) return run_command(run_options);
     if (command == check) return check_command(check_options, std::cout);
+    if (command == init) return init_command(init_options, std::cout);
+    if (command == schema) {
+      std::cout << scene::describe_keys(schema_path);
+      return kDone;
+    }
     if (command == bench) return bench_command(*bench, bench_options, std::cout);
     return point_command(point_options);
   } catch (const scene::SceneError& e) {

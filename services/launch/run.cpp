@@ -121,7 +121,7 @@ int run_command(const RunOptions& options) {
   process::end_at_once_by_signals(kCancelled);
   auto overrides = options.overrides;
   if (options.no_record) overrides.push_back("record.frames=0");
-  const scene::Scene scene = scene::read_scene(options.scene, overrides);
+  const scene::Scene scene = scene::read_scene(options.scene, overrides, options.overlays);
   process::require_descriptors(kDescriptors + kDescriptorsPerLayer * static_cast<int>(scene.layers.size()));
   process::require_address_space(kAddressSpace);
   std::vector<std::string> warnings = check_laws(scene);

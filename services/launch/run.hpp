@@ -16,9 +16,10 @@ enum ExitCode { kDone = 0, kFailed = 1, kRefused = 2, kDiverged = 3, kLost = 4, 
 
 struct RunOptions {
   std::filesystem::path scene;
-  std::vector<std::string> overrides;  ///< path=value
-  std::filesystem::path out;           ///< empty: runs/<scene name>
-  std::string address;                 ///< empty: the scene's
+  std::vector<std::string> overrides;           ///< path=value
+  std::vector<std::filesystem::path> overlays;  ///< laid over the scene before the overrides
+  std::filesystem::path out;                    ///< empty: runs/<scene name>
+  std::string address;                          ///< empty: the scene's
   bool overwrite = false;
   bool in_process = false;
   bool no_record = false;
@@ -57,8 +58,8 @@ struct RunFolder {
 /// @throws scene::SceneError; std::runtime_error if somebody else listens there at present
 void check_addresses(const scene::Scene& scene, const std::string& address = {});
 
-/// Takes the folder (empty: runs/<scene name>) and puts the resolved scene there. What an earlier run wrote is removed if
-/// `overwrite`, once nothing is in the way any more.
+/// Takes the folder (empty: runs/<scene name>) and puts the resolved scene there. What an earlier run wrote is removed
+/// if `overwrite`, once nothing is in the way any more.
 /// @throws record::FolderRefused; std::runtime_error if the folder cannot be written
 RunFolder prepare_folder(const scene::Scene& scene, const std::filesystem::path& out, bool overwrite);
 

@@ -15,6 +15,7 @@
 #include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "observe/sample.hpp"
+#include "process/arguments.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "record/file.hpp"
@@ -143,7 +144,7 @@ int main(int argc, char** argv) {
   app.add_option("--silence", silence, "seconds without a sign of life of the coordinator after which to leave")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
 
   ::umask(0077);
   spdlog::set_default_logger(spdlog::stderr_color_mt("recorder"));
@@ -154,6 +155,8 @@ int main(int argc, char** argv) {
     std::optional<record::FolderLock> lock;
     if (!folder_is_taken) lock.emplace(out, "recorder of " + process::to_line(address));
     RecordWriter writer(std::filesystem::path(out) / "record.h5", overwrite);
+    if (const std::string missing = exchange::find_missing_socket(address); !missing.empty())
+      spdlog::info("there is no socket {} yet; trying for {} s", missing, deadline);
     const auto link = exchange::connect_recorder(address, silence);
     const exchange::Welcome welcome = link->join(
         {.layer = exchange::kRecorder,

@@ -109,6 +109,9 @@ std::string read_owner(const fs::path& lock) {
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder, const std::string& purpose) : file_(folder / kLockName) {
+  for (fs::path part; const fs::path& name : folder)
+    if (part /= name; fs::exists(part) && !fs::is_directory(part))
+      throw FolderRefused(fmt::format("{} is a file, not a folder, and stays: choose another --out", part.string()));
   fs::create_directories(folder);
   for (;;) {
     descriptor_ = open_lock(file_);

@@ -105,9 +105,17 @@ void check_name(const Scene& scene, std::size_t i, const std::string& path, Repo
   }
 }
 
+constexpr double kMostElements = 1e8;  ///< of a layer: some 50 GB; indices are 32 bits
+
 void check_mesh_size(const Blank& blank, double mesh_size, const std::string& path, Report& report) {
   const double half = std::min(blank.length, blank.width) / 2;
-  if (report.is_broken("blank") || report.is_broken(path) || mesh_size < half) return;
+  if (report.is_broken("blank") || report.is_broken(path)) return;
+  const double elements = 2 * blank.length * blank.width / (blank.half ? 2 : 1) / (mesh_size * mesh_size);
+  if (elements > kMostElements)
+    return report.add(path, to_text(mesh_size) + " mm would make " + to_rounded(elements) +
+                                " elements of each layer, and " + to_rounded(kMostElements) + " are the most; " +
+                                to_rounded(mesh_size * std::sqrt(elements / kMostElements)) + " mm would do");
+  if (mesh_size < half) return;
   report.add(path,
              to_text(mesh_size) + " is not below " + to_rounded(half) + " mm, half of the smaller side of the blank");
 }

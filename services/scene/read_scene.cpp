@@ -2,11 +2,9 @@
 
 #include <xxhash.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "geometry/stl.hpp"
 #include "scene/check.hpp"
+#include "scene/compose.hpp"
 #include "scene/convert.hpp"
 #include "scene/files.hpp"
 #include "scene/meshes.hpp"
@@ -15,13 +13,6 @@
 
 namespace interply::scene {
 namespace {
-
-std::string read_text(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file)) throw SceneError(file.string() + ": is a folder, not a file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw SceneError(file.string() + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 void resolve_law(Law& law, const std::filesystem::path& folder, const std::string& path, Report& report) {
   if (auto* own = std::get_if<VumatLaw>(&law))
@@ -50,15 +41,26 @@ void resolve_files(Scene& scene, const std::filesystem::path& folder, Report& re
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides) {
+Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides,
+                  const std::vector<std::filesystem::path>& overlays) {
   Report report;
+  const std::filesystem::path folder = std::filesystem::path(origin).parent_path();
   Value root = parse_yaml(text, origin, report);
-  for (const std::string& override : overrides) apply_override(root, override, report);
+  drop_anchors(root);
+  include_laws(root, folder, report);
+  for (const std::filesystem::path& overlay : overlays) {
+    lay_over(root, parse_part(overlay, *schema::Scene::descriptor(), report), *schema::Scene::descriptor(), "", report);
+    include_laws(root, folder, report);
+  }
+  for (const std::string& override : overrides) {
+    apply_override(root, override, report);
+    include_laws(root, folder, report);
+  }
 
   schema::Scene message;
   read_message(root, "", message, report);
   Scene scene = to_scene(message);
-  resolve_files(scene, std::filesystem::path(origin).parent_path(), report);
+  resolve_files(scene, folder, report);
   check_scene(scene, report);
   report.throw_if_any();
 
@@ -67,16 +69,21 @@ Scene parse_scene(const std::string& text, const std::string& origin, const std:
   return scene;
 }
 
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return parse_scene(read_text(file), file.string(), overrides);
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                 const std::vector<std::filesystem::path>& overlays) {
+  return parse_scene(read_text(file), file.string(), overrides, overlays);
 }
 
 Law read_law(const std::filesystem::path& file) { return parse_law(read_text(file), file.string()); }
 
 Law parse_law(const std::string& text, const std::string& origin) {
   Report report;
-  const Value root = parse_yaml(text, origin, report);
+  Value root = parse_yaml(text, origin, report);
+  drop_anchors(root);
   const bool wrapped = root.keys.size() == 1 && root.keys[0] == "law";
+
+  include_law(wrapped ? root.items[0] : root, std::filesystem::path(origin).parent_path(), wrapped ? "law" : "",
+              report);
 
   schema::Law message;
   read_message(wrapped ? root.items[0] : root, wrapped ? "law" : "", message, report);

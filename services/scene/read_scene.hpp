@@ -19,12 +19,16 @@ class SceneError : public std::runtime_error {
 
 /// Reads, overrides, checks types and physics, fills in defaults.
 /// @param overrides  "path=value", path with layer names or indices: layers.ply_2.law.woven.variant=biaxial
+/// @param overlays   files with part of a scene each, laid over it one after the other, before the overrides; in them
+///                   `layers` may be a block by name
 /// @throws SceneError with every problem found
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
+                 const std::vector<std::filesystem::path>& overlays = {});
 
 /// The same from text; `origin` stands for the file name in messages. A resolved scene (`Scene::text`) reads back to an
 /// equal scene with the same digest.
-Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides = {});
+Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides = {},
+                  const std::vector<std::filesystem::path>& overlays = {});
 
 /// Reads a file that holds exactly the `law` block of a scene's layer. @throws SceneError
 Law read_law(const std::filesystem::path& file);

@@ -285,4 +285,10 @@ std::string write_message(const Message& message) {
   return std::string(out.c_str()) + "\n";
 }
 
+std::string write_value(const Message& message, const FieldDescriptor& field) {
+  YAML::Emitter out;
+  write_field(message, field, out);
+  return out.c_str();
+}
+
 }  // namespace interply::scene

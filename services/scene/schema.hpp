@@ -24,4 +24,7 @@ void read_message(const Value& value, const std::string& path, google::protobuf:
 /// bits.
 std::string write_message(const google::protobuf::Message& message);
 
+/// The value of one field as it is written there.
+std::string write_value(const google::protobuf::Message& message, const google::protobuf::FieldDescriptor& field);
+
 }  // namespace interply::scene

@@ -22,6 +22,13 @@ std::string add_line(const std::string& origin, const YAML::Mark& mark) {
   return has_line ? origin + ":" + std::to_string(mark.line + 1) : origin;
 }
 
+bool is_indented_by_tab(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string found;
+  for (int i = 0; i <= line; ++i) std::getline(lines, found);
+  return found.substr(0, found.find_first_not_of(" \t")).find('\t') != found.npos;
+}
+
 /// Bytes of a value and all that it holds, about.
 std::size_t measure_size(const Value& value) {
   std::size_t size = sizeof value + value.scalar.size() + value.origin.size();
@@ -170,7 +177,9 @@ Value parse_yaml(const std::string& text, const std::string& origin, Report& rep
     if (parser.HandleNextDocument(rest)) throw SceneError(origin + ": goes on after its first YAML document; keep one");
     return first.take_root();
   } catch (const YAML::Exception& error) {
-    throw SceneError(process::to_line(add_line(origin, error.mark) + ": not valid YAML: " + error.msg));
+    const std::string cause =
+        is_indented_by_tab(text, error.mark.line) ? "a tab indents this line; use spaces" : error.msg;
+    throw SceneError(process::to_line(add_line(origin, error.mark) + ": not valid YAML: " + cause));
   }
 }
 

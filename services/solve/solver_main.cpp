@@ -12,6 +12,7 @@
 #include "exchange/zeromq.hpp"
 #include "observe/run_sink.hpp"
 #include "observe/tee_sink.hpp"
+#include "process/arguments.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
@@ -61,6 +62,8 @@ int integrate_layer(const std::string& address, const std::string& layer_name, c
   exchange::Join join{
       .layer = layer_name, .pid = static_cast<int>(getpid()), .host = process::host_name(), .kind = to_word(kind)};
   if (!scene_file.empty()) join.scene_digest = scene::read_scene(scene_file).digest;
+  if (const std::string missing = exchange::find_missing_socket(address); !missing.empty())
+    std::cout << "there is no socket " << missing << " yet; trying for " << deadline << " s" << std::endl;
   const auto link = exchange::connect_zeromq(address, silence);
   const exchange::Welcome welcome = link->join(join, deadline);
   const scene::Scene scene = scene::parse_scene(welcome.scene_text, "scene of the coordinator");
@@ -93,11 +96,12 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
   app.add_option("--silence", silence, "seconds without a sign of life of the coordinator after which to leave")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
   ::umask(0077);
   std::signal(SIGPIPE, SIG_IGN);
   process::end_by_signals();
-  return say_how_it_ends([&] { return integrate_layer(address, layer, scene_file, deadline, silence, kind, make_layer); });
+  return say_how_it_ends(
+      [&] { return integrate_layer(address, layer, scene_file, deadline, silence, kind, make_layer); });
 }
 
 }  // namespace interply::solve

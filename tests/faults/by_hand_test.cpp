@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "exchange/link.hpp"
 #include "faults/programs.hpp"
 
 namespace interply::faults {
@@ -76,6 +77,39 @@ TEST_F(ByHand, AWrongSolverAndADuplicateAreRefusedAndTheRunGoesOn) {
   for (const auto* sheet : {"sheet_lower", "sheet_upper"}) others.push_back(start_solver("metal", sheet));
   EXPECT_EQ(coordinator_->wait(), 0) << coordinator_->said();
   EXPECT_EQ(ply_1->wait(), 0) << ply_1->said();
+}
+
+/// The programs that `interply run` starts, told nonsense by a person.
+TEST(Programs, WrongOptionsAreOneSentenceAndExitCodeTwo) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& name, const std::vector<std::string>& arguments) {
+    Program program(name, arguments, folder.path());
+    const int exit_code = program.wait();
+    return std::pair(exit_code, program.said());
+  };
+  for (const std::string name :
+       {"interply-coordinator", "interply-recorder", "interply-solver-metal", "interply-solver-fabric"}) {
+    const auto [code, said] = run(name, {"--bogus=1"});
+    EXPECT_EQ(code, 2);
+    EXPECT_EQ(said, name + ": there is no option --bogus (see --help)\n");
+    EXPECT_EQ(run(name, {}).first, 2);
+    EXPECT_EQ(run(name, {"--version"}), std::pair(0, std::string(exchange::kVersion) + "\n"));
+    EXPECT_EQ(run(name, {"--help"}).first, 0);
+  }
+  const auto [code, said] = run("interply-solver-metal",
+                                {"--connect", "shm://x", "--layer", "a", "--silence", "1e" + std::string(5000, '9')});
+  EXPECT_EQ(code, 2);
+  EXPECT_LT(said.size(), 400u);
+}
+
+TEST(Programs, ASocketThatIsNotThereIsSaidAtOnce) {
+  const TemporaryFolder folder;
+  const std::string socket = folder.path() / "none.sock";
+  Program solver("interply-solver-metal", {"--connect", "ipc://" + socket, "--layer", "a", "--deadline", "0.5"},
+                 folder.path());
+  EXPECT_NE(solver.wait(), 0);
+  EXPECT_EQ(solver.said().substr(0, solver.said().find('\n')),
+            "there is no socket " + socket + " yet; trying for 0.5 s");
 }
 
 }  // namespace

@@ -18,8 +18,9 @@ using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// From the signal until everyone is gone, s: two, and some more for a machine that has other work.
-constexpr double kEnd = 2, kBusy = 6;
+/// From the signal until everyone is gone, s: two, and more for a machine whose processors and disk have other work. The
+/// slowest so far is printed.
+constexpr double kEnd = 2, kBusy = 28;
 
 const std::string kScene = R"(name: storm
 blank: {length: 200, width: 200, symmetry: half, mesh_size: 20}
@@ -29,8 +30,8 @@ layers:
 tools:
   die: {edge: 60, offset: 22, shoulder: 10}
   blank_holder: {edge: 60, offset: 22, shoulder: 10, pressure: 1, ramp: 1e-3}
-motion: {stroke: 0, forming_time: 10}
-record: {frames: 1000, history: 1000}
+motion: {stroke: 0, forming_time: 1}
+record: {frames: 100, history: 1000}
 )";
 
 struct Kill {
@@ -91,6 +92,7 @@ void expect_fitting_words(const Kill& kill, int exit_code, const std::string& sa
 }
 
 TEST(KillStorm, LeavesNothingBehindAndSaysWhatHappened) {
+  for (const int signal : {SIGHUP, SIGINT}) std::signal(signal, SIG_DFL);  // nohup and a script's `&` ignore them
   double slowest = 0;
   for (const Kill& kill : draw_kills()) {
     const TemporaryFolder folder;

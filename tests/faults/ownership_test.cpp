@@ -125,6 +125,15 @@ TEST_F(Ownership, APersonsOwnFilesInTheFolderStay) {
   EXPECT_EQ(read_text(folder_.path() / "scene.yaml"), kScene);
 }
 
+TEST_F(Ownership, AFileIsNoFolder) {
+  std::ofstream(folder_.path() / "scene.yaml") << kScene;
+  for (const std::string out : {"scene.yaml", "scene.yaml/run"}) {
+    EXPECT_EQ(shell((kPrograms / "interply").string() + " run scene.yaml --overwrite --out " + out), 2) << said_;
+    EXPECT_THAT(said_, HasSubstr("scene.yaml is a file, not a folder, and stays: choose another --out"));
+  }
+  EXPECT_EQ(read_text(folder_.path() / "scene.yaml"), kScene);
+}
+
 TEST_F(Ownership, ACoordinatorComputesTheSceneThatItsLauncherMeant) {
   Program coordinator("interply-coordinator",
                       {"--bind", "ipc://" + (folder_.path() / "link").string(), "--scene", scene(), "--scene-digest",

@@ -1,5 +1,6 @@
 #include "launch/command_line.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -41,10 +42,10 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
 }
 
 TEST(CommandLine, HelpOfEachCommandShowsAnExample) {
-  for (const std::string command : {"run", "check", "point", "bench"}) {
+  for (const std::string command : {"run", "check", "init", "schema", "point", "bench"}) {
     const auto said = say({command, "--help"});
     EXPECT_EQ(said.exit_code, kDone);
-    EXPECT_THAT(said.out, HasSubstr("example:\n  interply " + command));
+    EXPECT_THAT(said.out, testing::ContainsRegex("examples?:\n  interply " + command));
   }
 }
 
@@ -58,6 +59,7 @@ TEST(CommandLine, UnknownOptionNamesTheNearestOne) {
   const auto said = say({"run", "scene.yaml", "--overwrit"});
   EXPECT_EQ(said.exit_code, kRefused);
   EXPECT_EQ(said.error, "interply: run has no option --overwrit; did you mean --overwrite?\n");
+  EXPECT_EQ(say({"--versoin"}).error, "interply: there is no option --versoin; did you mean --version?\n");
 }
 
 TEST(CommandLine, SurplusAndMissingArgumentsAreRefused) {
@@ -71,6 +73,38 @@ TEST(CommandLine, ASceneThatDoesNotExistIsRefused) {
   const auto said = say({"check", "/no/such/scene.yaml"});
   EXPECT_EQ(said.exit_code, kRefused);
   EXPECT_THAT(said.error, HasSubstr("/no/such/scene.yaml"));
+}
+
+/// Each scene that `init` writes is one that `check` finds nothing wrong with, and what is there stays.
+TEST(CommandLine, InitWritesScenesThatRun) {
+  std::string folder = testing::TempDir() + "init-XXXXXX";
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  int layers = 3;
+  for (const std::string kind : {"--fml", "--plies", "--sheet"}) {
+    const std::string scene = folder + "/cup" + kind;
+    const auto wrote = say({"init", scene, kind});
+    EXPECT_EQ(wrote.exit_code, kDone) << wrote.error;
+    EXPECT_THAT(wrote.out, HasSubstr("wrote " + scene + ".yaml\n"));
+    const auto checked = say({"check", scene + ".yaml"});
+    EXPECT_EQ(checked.exit_code, kDone) << checked.error;
+    EXPECT_THAT(checked.out, HasSubstr(fmt::format("cup{}: {} layer", kind, layers--)));
+    EXPECT_THAT(checked.out, testing::Not(HasSubstr("warning")));
+  }
+  const auto again = say({"init", folder + "/cup--fml.yaml", "--sheet"});
+  EXPECT_EQ(again.exit_code, kRefused);
+  EXPECT_THAT(again.error, HasSubstr("cup--fml.yaml is there already and stays as it is"));
+  EXPECT_EQ(say({"check", folder + "/cup--fml.yaml"}).exit_code, kDone);
+  EXPECT_THAT(say({"init", folder + "/a b"}).error, HasSubstr("cannot name a scene"));
+  EXPECT_EQ(say({"init", folder + "/two", "--fml", "--sheet"}).exit_code, kRefused);
+  EXPECT_EQ(say({"init", folder + "/none/x"}).exit_code, kFailed);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(CommandLine, SchemaPrintsAPartOrRefusesIt) {
+  EXPECT_THAT(say({"schema", "motion"}).out, HasSubstr("forming_time: 0.015"));
+  const auto said = say({"schema", "motoin"});
+  EXPECT_EQ(said.exit_code, kRefused);
+  EXPECT_EQ(said.error, "motoin: unknown key; did you mean 'motion'?\n");
 }
 
 TEST(CommandLine, ARefusedPathLeavesAnEarlierResultOfPointAlone) {

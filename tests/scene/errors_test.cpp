@@ -70,7 +70,7 @@ TEST(SceneErrors, BadVariantNamesTheNearestOne) {
 
 TEST(SceneErrors, LawHoldsExactlyOneKind) {
   EXPECT_EQ(refuse_value("layers.sheet.law.woven={}"), "layers[0].law: holds woven, j2; keep one of them");
-  EXPECT_EQ(refuse_value("layers.sheet.law={}"), "layers[0].law: needs one of woven, j2, vumat");
+  EXPECT_EQ(refuse_value("layers.sheet.law={}"), "layers[0].law: needs one of woven, j2, vumat, file");
   EXPECT_EQ(refuse_value("layers.sheet.law={j3: {}}"), "layers[0].law.j3: unknown key; did you mean 'j2'?");
   EXPECT_EQ(refuse_value("layers.sheet.law={wovn: {}}"), "layers[0].law.wovn: unknown key; did you mean 'woven'?");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.hardening={}"),
@@ -162,6 +162,12 @@ TEST(SceneErrors, BlankTakesAtLeastTwoElementsAlongItsSmallerSide) {
 
 /// Offset triangles: with equal edges the clearance is the difference of the offsets; an edge longer by 2 sqrt(3) mm
 /// adds its inradius, 1 mm, one shorter by sqrt(3) mm takes its circumradius, 1 mm.
+TEST(SceneErrors, AMeshBeyondEveryMachineIsRefusedAtOnceWithOneThatIsNot) {
+  EXPECT_EQ(refuse_value("blank.mesh_size=1e-9"),
+            "blank.mesh_size: 1e-09 mm would make 7.84e+22 elements of each layer, and 1e+08 are the most; 0.028 mm would do");
+  EXPECT_EQ(refuse_value("layers.ply_1.mesh_size=0.001").substr(0, 55), "layers[1].mesh_size: 0.001 mm would make 7.84e+10 eleme");
+}
+
 TEST(SceneErrors, PunchFitsTheOpeningsWithTheStack) {
   EXPECT_EQ(refuse_value("tools.die.offset=17"),
             "tools.die.offset: leaves 2 mm between punch and die, less than the 2.2 mm of the stack");
@@ -242,6 +248,10 @@ TEST(SceneErrors, MalformedYamlSaysItsLine) {
   EXPECT_EQ(refuse(kSmallScene + "name: twice\n"), "scene.yaml:15: name: is given twice");
   EXPECT_EQ(refuse(kSmallScene + "motion: &loop {stroke: *loop}\n"),
             "scene.yaml:15: an alias stands inside the value that it names");
+}
+
+TEST(SceneErrors, ATabIsCalledATab) {
+  EXPECT_EQ(refuse("name: x\nlayers:\n\t- {name: a}\n"), "scene.yaml:3: not valid YAML: a tab indents this line; use spaces");
 }
 
 TEST(SceneErrors, AllProblemsAreSaidAtOnce) {

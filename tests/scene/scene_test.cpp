@@ -129,7 +129,7 @@ TEST(LawFile, MistakesAreSaidAsInAScene) {
   EXPECT_EQ(refuse_law_file("law:\n  woven:\n    p_min: 1.4\n"),
             "interply_law.yaml:3: law.woven.p_min: 1.4 is not in [0, 1]");
   EXPECT_EQ(refuse_law_file("wovn: {}\n"), "interply_law.yaml:1: wovn: unknown key; did you mean 'woven'?");
-  EXPECT_EQ(refuse_law_file("{}\n"), "interply_law.yaml:1: needs one of woven, j2, vumat");
+  EXPECT_EQ(refuse_law_file("{}\n"), "interply_law.yaml:1: needs one of woven, j2, vumat, file");
   EXPECT_EQ(refuse_law_file("law:\n"), "interply_law.yaml:1: law: must be a block of keys, not empty");
   EXPECT_EQ(refuse_law_file("woven: {s: [-1, 0, 0]}\n").substr(0, 28), "interply_law.yaml:1: woven.s");
 }

@@ -1,0 +1,15 @@
+# Writes TO, C++ that holds the bytes of the files FROM as interply::NAMESPACE::NAME, in their order.
+#   cmake -DFROM=a;b -DTO=x.cpp -DNAMESPACE=scene -DNAME=kFiles -P embed.cmake
+set(text "#include <array>\n#include <string_view>\nnamespace interply::${NAMESPACE} {\n")
+set(views "")
+set(count 0)
+foreach(file ${FROM})
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "(..)" "'\\\\x\\1'," bytes "${hex}")
+  string(APPEND text "static constexpr char kBytes${count}[] = {${bytes}};\n")
+  string(APPEND views "{kBytes${count}, sizeof kBytes${count}}, ")
+  math(EXPR count "${count} + 1")
+endforeach()
+string(APPEND text "extern const std::array<std::string_view, ${count}> ${NAME};\n")
+string(APPEND text "const std::array<std::string_view, ${count}> ${NAME}{{${views}}};\n}\n")
+file(WRITE ${TO} "${text}")

@@ -1,0 +1,36 @@
+/// The command line of a program that `interply run` starts, and that a person may start by hand.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "process/words.hpp"
+
+namespace interply::process {
+
+/// Reads the arguments. @return the exit code if the program has no more to do: 0 after help or version, 2 after one
+/// sentence about what is wrong
+inline std::optional<int> read_arguments(CLI::App& app, const std::string& version, int argc, char** argv) {
+  app.set_version_flag("--version", version);
+  const std::string name = std::string(argv[0]).substr(std::string(argv[0]).find_last_of('/') + 1);
+  app.allow_extras();  // to name them before what is missing
+  const auto refuse = [&](const std::string& sentence) {
+    std::fprintf(stderr, "%s: %s (see --help)\n", name.c_str(), to_line(sentence, 300).c_str());
+    return 2;
+  };
+  std::optional<std::string> wrong;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    wrong = e.what();
+  }
+  for (const std::string& word : app.remaining())
+    if (word.starts_with("-")) return refuse("there is no option " + word.substr(0, word.find('=')));
+  if (!app.remaining().empty()) wrong = "takes no further argument " + app.remaining().front();
+  return wrong ? std::optional(refuse(*wrong)) : std::nullopt;
+}
+
+}  // namespace interply::process
