@@ -10,6 +10,7 @@
 
 #include "bench/loops.hpp"
 #include "launch/bench_tools.hpp"
+#include "launch/command_line.hpp"
 #include "launch/layer_factories.hpp"
 #include "launch/process.hpp"
 #include "launch/run.hpp"

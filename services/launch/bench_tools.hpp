@@ -8,12 +8,6 @@
 
 namespace interply::launch {
 
-/// A word of the command line that cannot be: a sentence.
-class BadArgument : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// Folder for sockets, records and logs; removed with this object.
 class TemporaryFolder {
  public:

@@ -10,7 +10,6 @@
 
 #include "exchange/link.hpp"
 #include "launch/bench_command.hpp"
-#include "launch/bench_tools.hpp"
 #include "launch/check.hpp"
 #include "launch/init.hpp"
 #include "launch/point.hpp"

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "launch/bench_tools.hpp"
+#include "launch/command_line.hpp"
 #include "launch/run.hpp"
 
 namespace interply::launch {

@@ -11,6 +11,8 @@
 namespace interply::scene {
 namespace {
 
+constexpr double kMostElements = 1e8;  ///< of a layer: 12 GB to check it (39 million took 4.7), and indices are 32 bits
+
 void check_ascending(const Table& table, const std::string& path, Report& report) {
   if (table.size() < 2) return report.add(path, "needs at least two rows [x, y]");
   for (std::size_t i = 1; i < table.size(); ++i) {
@@ -104,8 +106,6 @@ void check_name(const Scene& scene, std::size_t i, const std::string& path, Repo
     return report.add(path, "'" + name + "' is already the name of layers[" + std::to_string(k) + "]");
   }
 }
-
-constexpr double kMostElements = 1e8;  ///< of a layer: some 50 GB; indices are 32 bits
 
 void check_mesh_size(const Blank& blank, double mesh_size, const std::string& path, Report& report) {
   const double half = std::min(blank.length, blank.width) / 2;

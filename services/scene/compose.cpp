@@ -1,11 +1,11 @@
 #include "scene/compose.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "scene.pb.h"
+#include "scene/files.hpp"
 #include "scene/read_scene.hpp"
+#include "scene/schema.hpp"
 
 namespace interply::scene {
 namespace {
@@ -14,19 +14,17 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
 bool is_block_of_keys(const FieldDescriptor* field) {
-  return field && field->message_type() && !field->message_type()->options().GetExtension(schema::list);
+  return field && field->message_type() && !is_list(*field->message_type());
 }
 
-void make_absolute(Value& path, const std::filesystem::path& folder) {
-  if (path.kind != Value::Kind::Scalar || path.scalar.empty()) return;
-  if (std::filesystem::path(path.scalar).is_relative())
-    path.scalar = std::filesystem::absolute(folder / path.scalar).lexically_normal().string();
+void anchor_file(Value& path, const std::filesystem::path& folder) {
+  if (path.kind == Value::Kind::Scalar && !path.scalar.empty()) path.scalar = to_absolute(path.scalar, folder);
 }
 
 void anchor_files(Value& value, const Descriptor& type, const std::filesystem::path& folder) {
   if (&type == schema::File::descriptor()) {
     Value* path = value.kind == Value::Kind::Block ? value.find("path") : &value;
-    if (path) make_absolute(*path, folder);
+    if (path) anchor_file(*path, folder);
     return;
   }
   for (std::size_t i = 0; i < value.keys.size(); ++i) {
@@ -57,31 +55,15 @@ void drop_other_alternatives(Value& base, Value& over, const Descriptor& type) {
   }
 }
 
-void lay_over_named(Value& list, Value over, const Descriptor& type, const std::string& path, Report& report) {
+void lay_over_items(Value& list, Value over, const Descriptor& type, const std::string& path, Report& report) {
   for (std::size_t i = 0; i < over.keys.size(); ++i) {
-    std::vector<std::string> names;
-    for (Value& item : list.items) {
-      const Value* name = item.find("name");
-      names.push_back(name ? name->scalar : "");
-    }
-    const auto found = std::find(names.begin(), names.end(), over.keys[i]);
-    const auto index = static_cast<std::size_t>(found - names.begin());
-    if (found == names.end())
-      report.add_at(over.items[i].origin, path,
-                    "holds no item named '" + over.keys[i] + "'" + suggest(over.keys[i], names));
-    else
-      lay_over(list.items[index], std::move(over.items[i]), type, join(path, index), report);
+    std::string item_path = path;
+    if (Value* item = find_item(list, over.keys[i], over.items[i].origin, item_path, report))
+      lay_over(*item, std::move(over.items[i]), type, item_path, report);
   }
 }
 
 }  // namespace
-
-std::string read_text(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file)) throw SceneError(file.string() + ": is a folder, not a file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw SceneError(file.string() + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 Value parse_part(const std::filesystem::path& file, const Descriptor& type, Report& report) {
   Value root = parse_yaml(read_text(file), file.string(), report);
@@ -107,7 +89,7 @@ void include_law(Value& law, const std::filesystem::path& folder, const std::str
   if (file->kind != Value::Kind::Scalar || file->scalar.empty())
     return report.add_at(file->origin, file_path, "must be the path of a file that holds a `law` block");
   const std::string origin = file->origin;
-  make_absolute(*file, folder);
+  anchor_file(*file, folder);
   try {
     Value part = parse_part(file->scalar, *schema::Law::descriptor(), report);
     if (part.keys.size() == 1 && part.keys[0] == "law") {
@@ -148,7 +130,7 @@ void lay_over(Value& base, Value over, const Descriptor& type, const std::string
     } else if (!field->is_repeated()) {
       lay_over(*found, std::move(item), *field->message_type(), join(path, key), report);
     } else if (item.kind == Value::Kind::Block && found->kind == Value::Kind::List) {
-      lay_over_named(*found, std::move(item), *field->message_type(), join(path, key), report);
+      lay_over_items(*found, std::move(item), *field->message_type(), join(path, key), report);
     } else {
       *found = std::move(item);
     }

@@ -11,9 +11,6 @@
 
 namespace interply::scene {
 
-/// The text of a file. @throws SceneError if there is none
-std::string read_text(const std::filesystem::path& file);
-
 /// Parses a file that goes into a scene: without keys `x-...` at its top, which are there for anchors, and with paths
 /// of files made absolute from its own folder. @param type  of its content. @throws SceneError
 Value parse_part(const std::filesystem::path& file, const google::protobuf::Descriptor& type, Report& report);

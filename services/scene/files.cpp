@@ -3,6 +3,8 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 #include "geometry/blank_mesh.hpp"
 #include "geometry/read_file.hpp"
@@ -33,9 +35,7 @@ auto resolve(File& file, const std::filesystem::path& folder, const std::string&
     report.add(path, "is empty or holds a control character; give the path of a file");
     return {};
   }
-  std::filesystem::path full = file.path;
-  if (full.is_relative()) full = std::filesystem::absolute(folder / full);
-  file.path = full.lexically_normal().string();
+  file.path = to_absolute(file.path, folder);
   if (!file.digest.empty()) return {};
   try {
     auto content = read(file.path);
@@ -63,6 +63,17 @@ auto read_unchanged(const File& file, const std::string& path, Read read) -> dec
 }
 
 }  // namespace
+
+std::string read_text(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file)) throw SceneError(file.string() + ": is a folder, not a file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw SceneError(file.string() + ": cannot be opened");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string to_absolute(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  return std::filesystem::absolute(folder / path).lexically_normal().string();
+}
 
 std::string resolve_file(File& file, const std::filesystem::path& folder, const std::string& path, Report& report) {
   return resolve(file, folder, path, report, geometry::read_file);

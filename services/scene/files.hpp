@@ -1,4 +1,4 @@
-/// Files that a scene names: meshes of blanks, surfaces of tools.
+/// Files of a scene: its own text and parts, meshes of blanks, surfaces of tools.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +9,12 @@
 #include "scene/scene.hpp"
 
 namespace interply::scene {
+
+/// The text of a scene, law or overlay. @throws SceneError if there is none
+std::string read_text(const std::filesystem::path& file);
+
+/// A relative path starts at `folder`.
+std::string to_absolute(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// Makes the path absolute (a relative one starts at `folder`, that of the scene) and fills in the digest. A file with
 /// a digest belongs to a resolved scene: its content is not looked at here, so that a participant which does not need

@@ -40,39 +40,6 @@ void set_origin(Value& value, const std::string& origin) {
   for (Value& item : value.items) set_origin(item, origin);
 }
 
-/// The `name` of each item of a list of blocks.
-std::vector<std::string> list_names(Value& list) {
-  std::vector<std::string> names;
-  for (Value& item : list.items) {
-    const Value* name = item.find("name");
-    names.push_back(name ? name->scalar : "");
-  }
-  return names;
-}
-
-/// Goes down one list by index or by name; adds to the report and returns null if there is no such item.
-Value* step_into_list(Value& list, const PathPart& part, const std::string& origin, std::string& path, Report& report) {
-  std::size_t index = list.items.size();
-  const bool digits = !part.key.empty() &&
-                      std::all_of(part.key.begin(), part.key.end(), [](unsigned char c) { return std::isdigit(c); });
-  if (digits) {
-    std::from_chars(part.key.data(), part.key.data() + part.key.size(), index);
-  } else {
-    const std::vector<std::string> names = list_names(list);
-    index = static_cast<std::size_t>(std::find(names.begin(), names.end(), part.key) - names.begin());
-    if (index == names.size()) {
-      report.add_at(origin, path, "holds no item named '" + part.key + "'" + suggest(part.key, names));
-      return nullptr;
-    }
-  }
-  if (index >= list.items.size()) {
-    report.add_at(origin, path, "has " + std::to_string(list.items.size()) + " items, so no item " + part.key);
-    return nullptr;
-  }
-  path = join(path, index);
-  return &list.items[index];
-}
-
 /// Goes down one block by key, which is added if it is new.
 Value* step_into_block(Value& block, const PathPart& part, const std::string& origin, std::string& path,
                        Report& report) {
@@ -88,6 +55,32 @@ Value* step_into_block(Value& block, const PathPart& part, const std::string& or
 }
 
 }  // namespace
+
+Value* find_item(Value& list, const std::string& name, const std::string& origin, std::string& path, Report& report) {
+  std::size_t index = list.items.size();
+  const bool digits =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
+  if (digits) {
+    std::from_chars(name.data(), name.data() + name.size(), index);
+  } else {
+    std::vector<std::string> names;
+    for (Value& item : list.items) {
+      const Value* given = item.find("name");
+      names.push_back(given ? given->scalar : "");
+    }
+    index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    if (index == names.size()) {
+      report.add_at(origin, path, "holds no item named '" + name + "'" + suggest(name, names));
+      return nullptr;
+    }
+  }
+  if (index >= list.items.size()) {
+    report.add_at(origin, path, "has " + std::to_string(list.items.size()) + " items, so no item " + name);
+    return nullptr;
+  }
+  path = join(path, index);
+  return &list.items[index];
+}
 
 void apply_override(Value& root, const std::string& override, Report& report) {
   const std::string origin = "--set " + override;
@@ -106,7 +99,7 @@ void apply_override(Value& root, const std::string& override, Report& report) {
   std::string path;
   Value* target = &root;
   for (const PathPart& part : parts) {
-    target = target->kind == Value::Kind::List ? step_into_list(*target, part, origin, path, report)
+    target = target->kind == Value::Kind::List ? find_item(*target, part.key, origin, path, report)
                                                : step_into_block(*target, part, origin, path, report);
     if (!target) return;
   }

@@ -62,9 +62,6 @@ std::string find_comment(const Descriptor& type) {
   return find_comment(commented_schema().FindMessageTypeByName(type.full_name()));
 }
 
-bool is_list(const Descriptor& type) { return type.options().GetExtension(schema::list); }
-bool is_word(const Descriptor& type) { return type.options().GetExtension(schema::word); }
-
 /// A scene that holds every block that has defaults: punch, laws of each kind.
 const schema::Scene& make_sample() {
   static const schema::Scene sample = [] {

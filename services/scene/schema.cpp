@@ -20,7 +20,6 @@ using google::protobuf::Reflection;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool is_list(const Descriptor& type) { return type.options().GetExtension(schema::list); }
 bool may_be_none(const FieldOptions& options) { return options.GetExtension(schema::none); }
 bool is_message(const FieldDescriptor& field) { return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE; }
 
@@ -60,7 +59,7 @@ class Reader {
     const Descriptor& type = *message.GetDescriptor();
     report_.locate(path, value.origin);
     if (is_list(type)) return read_list(value, path, message, FieldOptions::default_instance());
-    if (type.options().GetExtension(schema::word) && value.kind == Value::Kind::Scalar)
+    if (is_word(type) && value.kind == Value::Kind::Scalar)
       return read_scalar(value, path, message, *type.field(0), type.field(0)->options());
     if (value.kind != Value::Kind::Block)
       return report_.add(path, "must be a block of keys, not " + describe(value.kind));
@@ -274,6 +273,9 @@ void write_block(const Message& message, YAML::Emitter& out) {
 }
 
 }  // namespace
+
+bool is_list(const Descriptor& type) { return type.options().GetExtension(schema::list); }
+bool is_word(const Descriptor& type) { return type.options().GetExtension(schema::word); }
 
 void read_message(const Value& value, const std::string& path, Message& message, Report& report) {
   Reader(report).read_block(value, path, message);

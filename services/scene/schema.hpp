@@ -7,6 +7,7 @@
 ///     oneof          exactly one of its keys
 #pragma once
 
+#include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
 #include <string>
@@ -15,6 +16,10 @@
 #include "scene/value.hpp"
 
 namespace interply::scene {
+
+/// Whether a message is written [x, y, ...], or as one word.
+bool is_list(const google::protobuf::Descriptor& type);
+bool is_word(const google::protobuf::Descriptor& type);
 
 /// Copies a YAML tree into a message. Unknown keys, wrong types, values out of range and missing keys go to the report;
 /// what is wrong stays unset. @param path of `value` in the scene, e.g. "layers[2].law"; "" for all of it

@@ -27,6 +27,10 @@ std::string describe(Value::Kind kind);
 /// @throws SceneError if the text is not YAML
 Value parse_yaml(const std::string& text, const std::string& origin, Report& report);
 
+/// The item of a list of blocks with this `name`, or with this number; null, and why in the report, if there is none.
+/// @param path  of the list, then of the item
+Value* find_item(Value& list, const std::string& name, const std::string& origin, std::string& path, Report& report);
+
 /// Replaces or adds the value that "path=value" names: blocks by key, list items by index, layers also by name.
 /// Keys are not checked here: one that the schema does not know is found when the tree is read.
 void apply_override(Value& root, const std::string& override, Report& report);
