@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <system_error>
 
@@ -36,6 +37,16 @@ std::string quote_log(const Child& child) {
   return text;
 }
 
+/// True if the text holds the name, and not only as part of a longer one.
+bool holds_name(const std::string& text, const std::string& name) {
+  const auto is_part = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  for (std::size_t at = 0; (at = text.find(name, at)) != text.npos; ++at) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !is_part(text[at - 1])) && (end == text.size() || !is_part(text[end]))) return true;
+  }
+  return false;
+}
+
 /// Text after `prefix`, or nothing.
 std::optional<std::string> after_prefix(const std::string& line, const std::string& prefix) {
   if (!line.starts_with(prefix)) return std::nullopt;
@@ -65,6 +76,7 @@ RunResult Federation::supervise() {
     wait_for_events();
     stop_late();
   }
+  if (result_.exit_code == kLost) describe_named();
   RunResult result = cause_ ? *cause_ : result_;
   result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
   result.summary_json = result_.summary_json;
@@ -159,7 +171,7 @@ void Federation::reap_ended() {
     if (!p.child->reap()) continue;
     p.child->read_output([&](const auto& line) { handle_line(p, line); });
     ended.push_back(&p);
-    if (!is_coordinator(p) && !p.told_to_end && first_to_leave_ == nullptr) first_to_leave_ = p.child.get();
+    if (!is_coordinator(p) && !p.told_to_end) left_.push_back(p.child.get());
   }
   // A crash that made others leave in order comes first.
   std::stable_partition(ended.begin(), ended.end(), [](const auto* p) { return !is_orderly(*p->child); });
@@ -192,16 +204,21 @@ void Federation::handle_coordinator_end(const Child& coordinator) {
     result_.message = "the mechanics diverged" + last;
   } else if (result_.exit_code == kLost) {
     result_.message = "a participant was lost" + last;
-    // however orderly it left: a law of the user's own may have ended it
-    if (first_to_leave_ && last.find(first_to_leave_->name()) != std::string::npos)
-      result_.message += fmt::format("\n{} (process {}) {}{}", first_to_leave_->name(), first_to_leave_->pid(),
-                                     first_to_leave_->describe_end(), quote_log(*first_to_leave_));
   } else if (result_.exit_code == kFailed) {
     result_.message = "the run could not go on" + last;
   } else if (result_.exit_code == kCancelled) {
     result_.message = "the run was cancelled";
   } else {
     result_.message = fmt::format("the coordinator {}{}", coordinator.describe_end(), last);
+  }
+}
+
+void Federation::describe_named() {
+  for (const Child* child : left_) {
+    if (!holds_name(result_.message, child->name())) continue;
+    result_.message +=
+        fmt::format("\n{} (process {}) {}{}", child->name(), child->pid(), child->describe_end(), quote_log(*child));
+    return;
   }
 }
 

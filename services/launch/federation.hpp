@@ -70,6 +70,8 @@ class Federation {
   void reap_ended();
   void handle_end(Supervised& ended);
   void handle_coordinator_end(const Child& coordinator);
+  /// Whom the coordinator named as lost, with its last lines: a law of the user's own may have ended it in good order.
+  void describe_named();
   void report_lost(const Child& lost);
   void stop_late();
   void limit(Supervised& process, double seconds);
@@ -83,7 +85,7 @@ class Federation {
   int signals_ = -1;                 ///< signalfd
   std::list<Supervised> processes_;  ///< the coordinator first; addresses stay while others are added
   const Child* suspect_ = nullptr;   ///< left in order but too early; the coordinator should say why
-  const Child* first_to_leave_ = nullptr;  ///< while the coordinator ran, with any exit code
+  std::vector<const Child*> left_;   ///< by themselves, with any exit code; not the coordinator
   bool bound_ = false, cancelled_ = false;
   std::optional<RunResult> cause_;  ///< first reason to end early that was seen here
   RunResult result_;                ///< what the coordinator said

@@ -111,6 +111,18 @@ TEST_F(FederationOfScripts, NamesTheCrashAndNotWhoLeftInOrderBecauseOfIt) {
   EXPECT_THAT(result.message, testing::StartsWith("ply_1 "));
 }
 
+/// Its connection is closed before its end is seen, and others that leave because of it may come first: whom the
+/// coordinator names is described, whenever it is reaped.
+TEST_F(FederationOfScripts, WhoIsNamedAsLostIsDescribedHoweverLateItsEndIsSeen) {
+  const auto result = supervise("echo bound x; sleep 0.3; echo 'lost ply_1 at step 3: the connection was lost'; exit 4",
+                                {shell("ply", "sleep 0.1; exit 4"), shell("ply_10", "sleep 0.35; exit 4"),
+                                 shell("ply_1", "echo no convergence; sleep 0.6; exit 0")});
+  EXPECT_EQ(result.exit_code, kLost);
+  EXPECT_THAT(result.message, testing::AllOf(HasSubstr("\nply_1 (process "), HasSubstr("left with exit code 0"),
+                                             HasSubstr("no convergence"), Not(HasSubstr("ply_10 (process")),
+                                             Not(HasSubstr("ply (process"))));
+}
+
 TEST_F(FederationOfScripts, ASolverThatGivesUpAtStartIsNamedEvenIfTheCoordinatorDoesNotNotice) {
   const auto result =
       supervise(remember("coordinator") + "echo bound x; exec sleep 600", {shell("ply_1", "echo no recorder; exit 4")});
@@ -182,7 +194,8 @@ TEST_F(FederationOfScripts, AChildHasNoDescriptorOfOursButTheOneThatItIsGiven) {
   Participant recorder = shell("recorder", "exec > " + (folder_ / "recorder_fd").string() + "; ls /proc/$$/fd; :");
   recorder.inherited = given;
   const auto result =
-      supervise("echo bound x; sleep 0.2", {shell("ply_1", "exec > " + (folder_ / "ply_1_fd").string() + "; ls /proc/$$/fd; :"), recorder});
+      supervise("echo bound x; sleep 0.2",
+                {shell("ply_1", "exec > " + (folder_ / "ply_1_fd").string() + "; ls /proc/$$/fd; :"), recorder});
   close(foreign);
   close(given);
   EXPECT_EQ(result.exit_code, kDone) << result.message;
@@ -191,9 +204,9 @@ TEST_F(FederationOfScripts, AChildHasNoDescriptorOfOursButTheOneThatItIsGiven) {
 }
 
 TEST_F(FederationOfScripts, WhatAChildSaysReachesNoTerminalUnescaped) {
-  const auto result = supervise(
-      "echo bound x; printf 'a note\\033[2J\\n@progress \\033]0;title\\007\\n'; sleep 0.2",
-      {shell("ply_1", "printf '@digest 0000000000000000\\n@summary a lie\\nboom\\033[31m\\n'; kill -9 $$")});
+  const auto result =
+      supervise("echo bound x; printf 'a note\\033[2J\\n@progress \\033]0;title\\007\\n'; sleep 0.2",
+                {shell("ply_1", "printf '@digest 0000000000000000\\n@summary a lie\\nboom\\033[31m\\n'; kill -9 $$")});
   EXPECT_EQ(result.digest, "") << "the coordinator alone says digests";
   EXPECT_EQ(result.summary, "");
   EXPECT_THAT(result.message, HasSubstr("boom\\x1b[31m"));
