@@ -20,8 +20,9 @@ LayerInterface::LayerInterface(const InterfaceLaw& law, const LayerGeometry& low
       on_upper_(upper, scratch_->upper),
       touches_(static_cast<std::size_t>(points_.size())),
       block_energies_(static_cast<std::size_t>(count_blocks(points_.size()))) {
+  const FlatSearch search(upper_);
   for (Eigen::Index i = 0; i < points_.size(); ++i)
-    triangle_.push_back(search_facing(upper_, lower_.position(i), lower_.normal(i)));
+    triangle_.push_back(search.find(lower_.position(i), lower_.normal(i)));
 }
 
 void LayerInterface::update(double dt, const BlockRunner& run) {

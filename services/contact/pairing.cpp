@@ -1,7 +1,9 @@
 #include "contact/pairing.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace interply::contact {
 
@@ -86,22 +88,76 @@ Facing find_facing(const LayerGeometry& partner, const Vector3& x, const Vector3
   return facing;
 }
 
-int search_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal) {
-  constexpr double kInside = -1e-9;
-  int best = -1;
-  double best_weight = -std::numeric_limits<double>::infinity();
-  double best_distance = std::numeric_limits<double>::infinity();
-  for (int t = 0; t < partner.mesh().n_elements(); ++t) {
-    const Projection p = project_on(partner, x, normal, t);
-    const double smallest = p.weight[most_negative(p)], distance = std::abs(p.distance);
-    const bool inside = smallest >= kInside, best_inside = best_weight >= kInside;
-    const bool better = inside && best_inside ? distance < best_distance : smallest > best_weight;
-    if (!better) continue;
-    best = t;
-    best_weight = smallest;
-    best_distance = distance;
+namespace {
+
+constexpr double kInside = -1e-9;  ///< smallest weight of a triangle that holds a point
+
+/// The best of the triangles seen so far, in the sense of search_facing().
+struct Choice {
+  int triangle = -1;
+  double weight = -std::numeric_limits<double>::infinity();  ///< smallest
+  double distance = std::numeric_limits<double>::infinity();
+  bool is_inside() const { return weight >= kInside; }
+
+  void consider(int t, const Projection& p) {
+    const double smallest = p.weight[most_negative(p)], away = std::abs(p.distance);
+    if (is_inside() && smallest >= kInside ? away < distance : smallest > weight) *this = {t, smallest, away};
   }
-  return best;
+};
+
+Eigen::AlignedBox2d bound(const LayerGeometry& layer, int t) {
+  Eigen::AlignedBox2d box;
+  for (int k = 0; k < 3; ++k) box.extend(layer.position(layer.mesh().triangles(k, t)).head<2>());
+  const Eigen::Vector2d margin = 1e-6 * box.sizes();  // more than kInside
+  return {box.min() - margin, box.max() + margin};
+}
+
+}  // namespace
+
+int search_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal) {
+  Choice best;
+  for (int t = 0; t < partner.mesh().n_elements(); ++t) best.consider(t, project_on(partner, x, normal, t));
+  return best.triangle;
+}
+
+FlatSearch::FlatSearch(const LayerGeometry& partner) : partner_(partner) {
+  const int n = static_cast<int>(partner.mesh().n_elements());
+  Eigen::AlignedBox2d all;
+  for (int t = 0; t < n; ++t) all.extend(bound(partner, t));
+  const double side = std::sqrt(2 * all.volume() / n);  // some two triangles to a cell
+  low_ = all.min();
+  for (int axis = 0; axis < 2; ++axis) {
+    n_[axis] = static_cast<int>(std::clamp(std::ceil(all.sizes()(axis) / side), 1.0, static_cast<double>(n)));
+    width_(axis) = all.sizes()(axis) / n_[axis];
+  }
+  const auto visit = [&](const auto& put) {
+    for (int t = 0; t < n; ++t) {
+      const Eigen::AlignedBox2d box = bound(partner, t);
+      for (int row = locate(box.min().y(), 1); row <= locate(box.max().y(), 1); ++row)
+        for (int column = locate(box.min().x(), 0); column <= locate(box.max().x(), 0); ++column)
+          put(cell(column, row), t);
+    }
+  };
+  start_.assign(cell(0, n_[1]) + 1, 0);
+  visit([&](std::size_t c, int) { ++start_[c + 1]; });
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  triangles_.resize(start_.back());
+  std::vector<std::size_t> next = start_;
+  visit([&](std::size_t c, int t) { triangles_[next[c]++] = t; });
+}
+
+int FlatSearch::locate(double at, int axis) const {
+  return static_cast<int>(std::clamp((at - low_(axis)) / width_(axis), 0.0, n_[axis] - 1.0));
+}
+
+int FlatSearch::find(const Vector3& x, const Vector3& normal) const {
+  Choice best;
+  if (std::max(std::abs(normal.x()), std::abs(normal.y())) < 1e-12) {
+    const std::size_t c = cell(locate(x.x(), 0), locate(x.y(), 1));
+    for (std::size_t i = start_[c]; i < start_[c + 1]; ++i)
+      best.consider(triangles_[i], project_on(partner_, x, normal, triangles_[i]));
+  }
+  return best.is_inside() ? best.triangle : search_facing(partner_, x, normal);
 }
 
 }  // namespace interply::contact

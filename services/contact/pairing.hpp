@@ -35,8 +35,27 @@ Facing hold(const LayerGeometry& partner, const Vector3& x, const Vector3& norma
 Facing find_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal, int triangle);
 
 /// The same by trying every triangle: the nearest along the normal of those that hold the foot point (the first of
-/// equals), else the one whose smallest weight is largest. For the start of a run, and as the reference that walking
-/// must agree with.
+/// equals), else the one whose smallest weight is largest. The reference that walking and FlatSearch must agree with.
 int search_facing(const LayerGeometry& partner, const Vector3& x, const Vector3& normal);
+
+/// search_facing() for many points, for the start of a run: where the normal is z, as in a flat stack, only the few
+/// triangles around the point are tried unless none of them holds it.
+class FlatSearch {
+ public:
+  /// @param partner  referenced; must not move meanwhile
+  explicit FlatSearch(const LayerGeometry& partner);
+  /// Equal to search_facing().
+  int find(const Vector3& x, const Vector3& normal) const;
+
+ private:
+  int locate(double at, int axis) const;  ///< column (axis 0) or row (1) of a coordinate
+  std::size_t cell(int column, int row) const { return static_cast<std::size_t>(row * n_[0] + column); }
+
+  const LayerGeometry& partner_;
+  Eigen::Vector2d low_, width_;     ///< of the grid and of a cell, mm
+  int n_[2] = {1, 1};               ///< columns, rows
+  std::vector<std::size_t> start_;  ///< of each cell in `triangles_`
+  std::vector<int> triangles_;      ///< that reach into the cells, ascending in each
+};
 
 }  // namespace interply::contact

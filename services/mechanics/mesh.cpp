@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -123,27 +123,42 @@ TriangleMesh make_mesh(const std::vector<std::array<double, 2>>& points,
 }
 
 Triangles find_neighbours(const Triangles& triangles, Eigen::Index n_nodes) {
-  Triangles neighbours = Triangles::Constant(3, triangles.cols(), -1);
-  std::map<std::pair<int, int>, std::pair<int, int>> open;  // side -> (element, opposite corner)
-  for (int e = 0; e < triangles.cols(); ++e) {
+  const int n = static_cast<int>(triangles.cols());
+  const auto side_of = [&](int e, int k) -> std::pair<int, int> {
+    return std::minmax(triangles((k + 1) % 3, e), triangles((k + 2) % 3, e));
+  };
+  struct Side {
+    int upper, element, corner;  ///< the other node; corner opposite the side
+  };
+  std::vector<std::size_t> start(static_cast<std::size_t>(n_nodes) + 1, 0);  // of the sides of each lower node
+  for (int e = 0; e < n; ++e)
     for (int k = 0; k < 3; ++k) {
-      const int a = triangles((k + 1) % 3, e), b = triangles((k + 2) % 3, e);
-      if (a < 0 || b < 0 || a >= n_nodes || b >= n_nodes || a == b)
+      const auto [lower, upper] = side_of(e, k);
+      if (lower < 0 || upper >= n_nodes || lower == upper)
         throw std::invalid_argument("element " + std::to_string(e) + " has corners outside the mesh or twice the same");
-      const auto side = std::minmax(a, b);
-      const auto found = open.find(side);
-      if (found == open.end()) {
-        open.emplace(side, std::pair{e, k});
+      ++start[static_cast<std::size_t>(lower) + 1];
+    }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Side> sides(start.back());
+  std::vector<std::size_t> end = start;
+  Triangles neighbours = Triangles::Constant(3, n, -1);
+  for (int e = 0; e < n; ++e)
+    for (int k = 0; k < 3; ++k) {
+      const auto [lower, upper] = side_of(e, k);
+      const auto node = static_cast<std::size_t>(lower);
+      const auto first = sides.begin() + static_cast<std::ptrdiff_t>(start[node]);
+      const auto last = sides.begin() + static_cast<std::ptrdiff_t>(end[node]);
+      const auto other = std::find_if(first, last, [&](const Side& s) { return s.upper == upper; });
+      if (other == last) {
+        sides[end[node]++] = {upper, e, k};
         continue;
       }
-      const auto [other, other_k] = found->second;
-      if (neighbours(other_k, other) != -1)
-        throw std::invalid_argument("the side between nodes " + std::to_string(side.first) + " and " +
-                                    std::to_string(side.second) + " belongs to three elements");
-      neighbours(k, e) = other;
-      neighbours(other_k, other) = e;
+      if (neighbours(other->corner, other->element) != -1)
+        throw std::invalid_argument("the side between nodes " + std::to_string(lower) + " and " +
+                                    std::to_string(upper) + " belongs to three elements");
+      neighbours(k, e) = other->element;
+      neighbours(other->corner, other->element) = e;
     }
-  }
   return neighbours;
 }
 

@@ -115,6 +115,25 @@ TEST(Pairing, WalkingAgreesWithSearchingEverywhere) {
   EXPECT_GT(compared, 1000);
 }
 
+/// The quick search is the plain one: on equal meshes, where six triangles hold a node, on others, beyond the edge, and
+/// on curved partners.
+TEST(Pairing, FlatSearchFindsWhatTryingEveryTriangleFinds) {
+  Layer lower(0.5, 0, 1);
+  for (const double h : {0.5, 0.37, 0.9, 20.0})
+    for (const double turn : {0.0, 0.4}) {
+      Layer upper(h, 0.7, 1, turn, turn > 0 ? 0.6 : 1);
+      for (const bool is_flat : {true, false}) {
+        if (!is_flat) upper.move([](Vector3 x) { return Vector3(x + Vector3(0, 0, 0.2 * std::sin(x.x() + x.y()))); });
+        const FlatSearch search(upper.geometry);
+        for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
+          const Vector3 x = lower.geometry.position(i), tilted = Vector3(0.3, 0.1, 1).normalized();
+          ASSERT_EQ(search.find(x, Vector3::UnitZ()), search_facing(upper.geometry, x, Vector3::UnitZ())) << h;
+          ASSERT_EQ(search.find(x, tilted), search_facing(upper.geometry, x, tilted)) << h;
+        }
+      }
+    }
+}
+
 TEST(Pairing, IsFoundWhateverTheThicknessAgainstTheMesh) {
   Layer lower(0.5, 0, 1), upper(0.4, 30, 1);  // sixty elements apart
   for (int i = 0; i < lower.mesh.n_nodes(); ++i) {
