@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "coordinator/coordinator.hpp"
-#include "coordinator/tools.hpp"
+#include "coordinator/tool_check.hpp"
 #include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "mechanics/digest.hpp"

@@ -24,6 +24,11 @@ struct PlacedTools {
   double flange_area = 0;  ///< of the modelled part of the blank, on which the blank-holder pressure acts, mm2
 };
 
+using Rectangle = Eigen::AlignedBox2d;
+
+/// The bounding rectangle of the whole blank, mm. @param half  the mesh is the half y >= 0
+Rectangle bound_blank(const mechanics::TriangleMesh& blank, bool half);
+
 /// Tools at their starting heights. The stack stands on z = 0; a tool given as STL keeps its x and y and is moved along
 /// z until it touches: the lowest point (of the die: the highest) that lies over the blank's bounding rectangle comes
 /// to the stack's face. The rectangle of a half model reaches as far to -y as to +y.
@@ -37,16 +42,5 @@ struct PlacedTools {
 ///                            holder touches less than 1 % of the blank
 PlacedTools place_tools(const scene::Scene& scene, const mechanics::TriangleMesh& lowest,
                         const mechanics::TriangleMesh& uppermost, double height);
-
-/// What analytic tools are checked for when the scene is read, for tools given as STL: the blank is in front of them,
-/// the punch at full stroke leaves the thickness of the stack to the die and does not meet the blank holder. Surfaces
-/// are sampled every 2 mm.
-///
-/// Warns of a tool that the half model cuts in two unequal halves, of holes in a surface, of a tool that meets no node,
-/// and of a radius below three quarters of the element size: contact acts at nodes. The radius of a surface is estimated at its
-/// vertices within reach of the blank, at the scale of the elements, from how far it falls beside the tangent plane by
-/// the signed distance: needles and the noise of single precision do not count.
-/// @return warnings, one sentence each   @throws scene::SceneError as above, and where a check fails
-std::vector<std::string> check_tools(const scene::Scene& scene);
 
 }  // namespace interply::coordinator

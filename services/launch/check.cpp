@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "coordinator/stack.hpp"
-#include "coordinator/tools.hpp"
+#include "coordinator/tool_check.hpp"
 #include "launch/layer_factories.hpp"
 #include "launch/run.hpp"
 #include "scene/read_scene.hpp"

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "coordinator/tools.hpp"
+#include "coordinator/tool_check.hpp"
 #include "exchange/address.hpp"
 #include "launch/layer_factories.hpp"
 #include "process/limits.hpp"
@@ -126,7 +126,7 @@ int run_command(const RunOptions& options) {
   process::require_address_space(kAddressSpace);
   std::vector<std::string> warnings = check_laws(scene);
   for (const std::string& warning : scene::find_warnings(scene)) warnings.push_back(warning);
-  for (const std::string& warning : coordinator::check_tools(scene)) warnings.push_back(warning);
+  for (const std::string& warning : coordinator::check_tools(scene).warnings) warnings.push_back(warning);
   check_addresses(scene, options.address);
   const RunFolder folder = prepare_folder(scene, options.out, options.overwrite);
   Terminal terminal(stdout, options.quiet);

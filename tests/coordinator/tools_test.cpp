@@ -1,4 +1,4 @@
-#include "coordinator/tools.hpp"
+#include "coordinator/tool_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,6 @@
 namespace {
 
 using namespace interply;
-using coordinator::check_tools;
 using test::OwnTools;
 using test::Soup;
 using ::testing::AllOf;
@@ -21,6 +20,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+
+std::vector<std::string> check_tools(const scene::Scene& scene) { return coordinator::check_tools(scene).warnings; }
 
 constexpr double kHeight = 5.6;  // of the flat stack
 const std::vector<std::string> kAll{"punch", "die", "blank_holder"};
