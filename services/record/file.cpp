@@ -3,9 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <limits>
 #include <set>
+#include <system_error>
 
+#include "record/disk.hpp"
 #include "record/history.hpp"
 
 namespace interply::record {
@@ -229,6 +232,8 @@ void check_layout(const Layout& layout) {
 Handle create_in_place(const std::filesystem::path& path, const Layout& layout) {
   check_layout(layout);
   const std::filesystem::path partial = path.string() + ".partial";
+  if (const auto free = find_free_space(partial); free && *free < measure_record(layout))
+    throw std::system_error(ENOSPC, std::generic_category(), "cannot create the record");
   try {
     const Handle file = create_file(partial);
     make_file(file, layout);
@@ -268,24 +273,6 @@ void check_fields(const std::string& owner, const observe::LayerMesh& mesh, cons
                                            f.points, expected, f.nodal ? "nodes" : "elements", mesh.layer));
     }
   }
-}
-
-std::string to_path_name(const std::string& name) {
-  std::string out = name;
-  for (char& c : out) {
-    const bool kept = std::isalnum(static_cast<unsigned char>(c)) || std::string("._-|+").find(c) != std::string::npos;
-    if (!kept) c = '_';
-  }
-  return out == "." || out == ".." ? "_" : out;
-}
-
-std::vector<FieldShape> shapes_of(const std::vector<observe::Field>& fields) {
-  std::vector<FieldShape> shapes;
-  for (const observe::Field& f : fields) {
-    shapes.push_back({f.name, f.unit, f.description, f.nodal, f.components,
-                      f.values.size() / static_cast<std::size_t>(std::max(f.components, 1))});
-  }
-  return shapes;
 }
 
 RecordFile::RecordFile(const std::filesystem::path& path, Layout layout)

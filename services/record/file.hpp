@@ -16,11 +16,9 @@
 
 #include "observe/frames.hpp"
 #include "record/hdf5.hpp"
+#include "record/layout.hpp"
 
 namespace interply::record {
-
-/// `name` as part of an HDF5 and XDMF path: every character but letters, digits and . _ - | + becomes '_'.
-std::string to_path_name(const std::string& name);
 
 /// Values that do not belong to this run or do not fit it: whose, and what is wrong.
 class Misfit : public std::runtime_error {
@@ -28,30 +26,13 @@ class Misfit : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Shape of one field.
-struct FieldShape {
-  std::string name, unit, description;
-  bool nodal = false;
-  int components = 1;
-  std::size_t points = 0;
-};
-std::vector<FieldShape> shapes_of(const std::vector<observe::Field>& fields);
-
 /// Every field needs one value per node or element of the mesh that carries it. @throws Misfit
 void check_fields(const std::string& owner, const observe::LayerMesh& mesh, const std::vector<FieldShape>& fields);
 
-/// Everything that fixes the layout. Layers and interfaces that are not in the maps get a group without frames.
-struct Layout {
-  observe::RunHeader header;
-  std::map<std::string, observe::LayerMesh> meshes;                 ///< by layer
-  std::map<std::string, std::vector<FieldShape>> layer_fields;      ///< by layer
-  std::map<std::string, std::vector<FieldShape>> interface_fields;  ///< by interface
-  std::map<std::string, std::vector<FieldShape>> other_fields;  ///< at the nodes of its other layer, by interface
-};
-
 class RecordFile {
  public:
-  /// Creates the file at `path`. @throws Misfit; std::runtime_error if it cannot be written or the disk cannot hold it
+  /// Creates the file at `path`. @throws Misfit; std::system_error if it cannot be written; if there is no room for it
+  /// and its sidecar, before a byte is
   RecordFile(const std::filesystem::path& path, Layout layout);
 
   const Layout& layout() const { return layout_; }

@@ -3,10 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 namespace interply::record {
 namespace {
@@ -21,16 +23,15 @@ void prepare() {
   (void)in_this_thread;
 }
 
-/// What the system said, of a description that quotes it: "..., error message = 'No space left on device', ...".
-std::string find_system_error(const std::string& description) {
-  constexpr std::string_view kBefore = "error message = '";
-  const std::size_t begin = description.find(kBefore), end = description.find('\'', begin + kBefore.size());
-  if (begin == std::string::npos || end == std::string::npos) return description;
-  return description.substr(begin + kBefore.size(), end - begin - kBefore.size());
+/// What the system said, of a description that quotes it: "..., errno = 28, error message = '...', ..."; 0 if none does.
+int find_system_error(const std::string& description) {
+  constexpr std::string_view kBefore = "errno = ";
+  const std::size_t begin = description.find(kBefore);
+  return begin == std::string::npos ? 0 : std::atoi(description.c_str() + begin + kBefore.size());
 }
 
 herr_t keep_innermost(unsigned n, const H5E_error2_t* error, void* reason) {
-  if (n == 0) *static_cast<std::string*>(reason) = find_system_error(error->desc ? error->desc : "");
+  if (n == 0) *static_cast<std::string*>(reason) = error->desc ? error->desc : "";
   return 0;
 }
 
@@ -102,6 +103,8 @@ hid_t check(hid_t result, const std::string& action) {
   if (result >= 0) return result;
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &reason);
+  if (const int error = find_system_error(reason))
+    throw std::system_error(error, std::generic_category(), fmt::format("cannot {}", action));
   throw std::runtime_error(fmt::format("cannot {}: {}", action, reason));
 }
 

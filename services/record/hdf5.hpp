@@ -32,7 +32,8 @@ class Handle {
 
 using Shape = std::vector<hsize_t>;
 
-/// `result` if it is not negative. @throws std::runtime_error "cannot <action>: <HDF5's innermost reason>"
+/// `result` if it is not negative. @throws std::system_error if the system has refused something, else
+/// std::runtime_error "cannot <action>: <HDF5's innermost reason>"
 hid_t check(hid_t result, const std::string& action);
 
 /// A new file in the earliest format. Metadata and raw data go straight to the file system; no file lock is held, so

@@ -3,12 +3,15 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <variant>
 #include <vector>
 
+#include "record/disk.hpp"
 #include "record/file.hpp"
 #include "record/run_folder.hpp"
 #include "record/xdmf.hpp"
@@ -120,7 +123,7 @@ void write_text_file(const std::filesystem::path& path, const std::string& text)
   std::ofstream file(path, std::ios::trunc);
   file << text;
   file.close();
-  if (!file) throw std::runtime_error(fmt::format("cannot write {}", path.string()));
+  if (!file) throw std::system_error(errno, std::generic_category(), fmt::format("cannot write {}", path.string()));
 }
 
 }  // namespace
@@ -221,6 +224,15 @@ struct RecordWriter::Impl {
     if (rows.size() >= kBlock) write_rows();
   }
 
+  /// Anything that writes. What a full disk says becomes a sentence with the room that the record needs.
+  template <typename Action>
+  void write(Action&& action) try {
+    action();
+  } catch (const std::system_error& error) {
+    if (!means_full(error.code())) throw;
+    throw std::runtime_error(describe_full_disk(path, error.code(), measure_record(layout)));
+  }
+
   void check_begun() const {
     if (!header) throw Misfit("something came before the header of the run");
   }
@@ -285,7 +297,7 @@ RecordWriter::~RecordWriter() {
 void RecordWriter::put(const RunHeader& header) {
   const std::lock_guard lock(impl_->mutex);
   if (impl_->header) throw Misfit("a second header of the run came");
-  impl_->begin(header);
+  impl_->write([&] { impl_->begin(header); });
 }
 
 void RecordWriter::put(const LayerMesh& mesh) {
@@ -297,10 +309,18 @@ void RecordWriter::put(const LayerMesh& mesh) {
     throw Misfit(fmt::format("a second mesh of layer '{}' came", mesh.layer));
 }
 
-void RecordWriter::put(const LayerFrame& frame) { impl_->take(frame); }
-void RecordWriter::put(const InterfaceFrame& frame) { impl_->take(frame); }
-void RecordWriter::put(const ToolFrame& frame) { impl_->take(frame); }
-void RecordWriter::put(const HistoryRow& row) { impl_->take(row); }
+void RecordWriter::put(const LayerFrame& frame) {
+  impl_->write([&] { impl_->take(frame); });
+}
+void RecordWriter::put(const InterfaceFrame& frame) {
+  impl_->write([&] { impl_->take(frame); });
+}
+void RecordWriter::put(const ToolFrame& frame) {
+  impl_->write([&] { impl_->take(frame); });
+}
+void RecordWriter::put(const HistoryRow& row) {
+  impl_->write([&] { impl_->take(row); });
+}
 
 void RecordWriter::put(const RunEnd& end) {
   const std::lock_guard lock(impl_->mutex);
@@ -309,7 +329,7 @@ void RecordWriter::put(const RunEnd& end) {
 
 bool RecordWriter::flush(double) {
   const std::lock_guard lock(impl_->mutex);
-  impl_->write_rows();
+  impl_->write([&] { impl_->write_rows(); });
   return true;
 }
 
@@ -343,6 +363,8 @@ std::string RecordWriter::describe_missing() const {
   return impl_->describe_missing();
 }
 
-void RecordWriter::close() { impl_->close(); }
+void RecordWriter::close() {
+  impl_->write([&] { impl_->close(); });
+}
 
 }  // namespace interply::record

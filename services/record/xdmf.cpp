@@ -112,6 +112,8 @@ struct ToolSource {
   const observe::ToolSurface* surface;
 };
 
+constexpr double kFar = 1e6;  ///< mm, where no tool goes
+
 /// Coordinate `axis` of the nodes of a tool's surface.
 std::string make_coordinate(const Source& source, const std::string& group, std::size_t n_nodes, int axis,
                             const std::string& instruction = "") {
@@ -128,7 +130,6 @@ std::string make_instant(const Source& source, const ToolSource& tool, int frame
   const std::string group = "tools/" + to_path_name(tool.name) + "/surface";
   const auto n = static_cast<std::size_t>(tool.surface->nodes.cols());
   const std::string identity = fmt::format("<?interply {} {}?>", escape(group), frame);
-  constexpr double kFar = 1e6;  // mm
   return fmt::format(
       "<Grid Name=\"{0} {1}\" GridType=\"Uniform\"><Time Value=\"{2}\"/>\n"
       "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{3}\"><DataItem Format=\"HDF\" NumberType=\"Int\" "
@@ -197,6 +198,18 @@ std::string make_empty_place(std::size_t size) {
 
 }  // namespace
 
+std::uint64_t Sidecar::measure(const std::string& record, const Layout& layout) {
+  constexpr std::uint64_t kCollection = 200;  // beginning and end of one
+  const Source source{record, static_cast<std::size_t>(layout.header.frames) + 1};
+  const std::vector<GridSource> grids = list_grids(layout);
+  std::uint64_t size = kCollection;
+  for (const GridSource& grid : grids) size += kCollection + source.frames * measure_place(source, grid);
+  if (!grids.empty())
+    for (const ToolSource& tool : list_tools(layout))
+      size += kCollection + source.frames * measure_place(source, tool, -kFar);
+  return size;
+}
+
 Sidecar::Sidecar(const std::filesystem::path& path, const std::string& record, const Layout& layout)
     : path_(path), record_(record), layout_(layout) {
   const std::filesystem::path partial = path.string() + ".partial";
@@ -220,7 +233,7 @@ Sidecar::Sidecar(const std::filesystem::path& path, const std::string& record, c
   const std::vector<GridSource> grids = list_grids(layout);
   for (const GridSource& grid : grids) add_collection(grid.name, measure_place(source, grid));
   if (!grids.empty())
-    for (const ToolSource& tool : list_tools(layout)) add_collection(tool.name, measure_place(source, tool, -1e6));
+    for (const ToolSource& tool : list_tools(layout)) add_collection(tool.name, measure_place(source, tool, -kFar));
   add("</Domain>\n</Xdmf>\n");
   file.close();
   if (!file) {

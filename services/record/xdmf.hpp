@@ -1,12 +1,13 @@
 /// The .xdmf sidecar that lets ParaView and VTK open a record. Internal to record.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "record/file.hpp"
+#include "record/layout.hpp"
 
 namespace interply::record {
 
@@ -19,6 +20,9 @@ namespace interply::record {
 /// shown; what is under way is inside that comment: the sidecar is well-formed at any instant.
 class Sidecar {
  public:
+  /// Bytes of the file. @param record, layout  as below
+  static std::uint64_t measure(const std::string& record, const Layout& layout);
+
   /// Makes the file at `path`, without frames. @throws std::runtime_error
   /// @param record  name of the HDF5 file, relative to the sidecar
   Sidecar(const std::filesystem::path& path, const std::string& record, const Layout& layout);

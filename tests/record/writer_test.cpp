@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <functional>
 #include <random>
+#include <system_error>
 
 #include "record/file.hpp"
 #include "record/reader.hpp"
@@ -104,6 +108,83 @@ TEST(RecordWriter, OrderOfArrivalDoesNotMatter) {
     EXPECT_TRUE(writer.is_complete());
     writer.close();
     ASSERT_EQ(run_check("values " + (folder / "record.h5").string() + " 4 6 done"), 0) << "seed " << seed;
+  }
+}
+
+/// No file of this process may become larger while it lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  sighandler_t handler_;
+  rlimit before_{};
+};
+
+TEST(RecordWriter, SaysHowMuchRoomARecordNeedsThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "notes.txt") << "a person's";
+  const std::string file = folder / "record.h5";
+  RecordWriter writer(file);
+  const auto room = testing::AllOf(HasSubstr("cannot write " + file + ": File too large"),
+                                   testing::ContainsRegex("takes [0-9.]+ MiB in all and [0-9.]+ MiB are free there"),
+                                   HasSubstr("record.frames"), HasSubstr("--out"));
+  {
+    const FileSizeLimit limit(1 << 14);
+    EXPECT_THAT([&] { put_whole_run(writer, SampleRun()); }, testing::ThrowsMessage<std::runtime_error>(room));
+    EXPECT_THAT([&] { writer.close(); }, testing::ThrowsMessage<std::runtime_error>(room));
+  }
+  for (const char* name : {"record.h5", "record.h5.partial", "record.xdmf", "record.xdmf.partial"})
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+  EXPECT_TRUE(std::filesystem::exists(folder / "notes.txt"));
+}
+
+TEST(RecordFile, IsNotBegunWhereThereIsNoRoomForIt) {
+  const TemporaryFolder folder;
+  const SampleRun run;
+  Layout layout{.header = run.header()};
+  layout.header.frames = 2'000'000'000;  // some 30 TB
+  for (int l = 0; l < 2; ++l) {
+    layout.meshes[run.mesh(l).layer] = run.mesh(l);
+    layout.layer_fields[run.mesh(l).layer] = shapes_of(run.layer_frame(l, 0).fields);
+  }
+  try {
+    RecordFile(folder / "record.h5", layout);
+    FAIL() << "was made";
+  } catch (const std::system_error& error) {
+    EXPECT_EQ(error.code(), std::errc::no_space_on_device);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(RecordFile, IsAsLargeAsMeasured) {
+  for (const SampleRun& run : {SampleRun(), SampleRun(30, 20, 500)}) {
+    const TemporaryFolder folder;
+    RecordWriter writer(folder / "record.h5");
+    put_whole_run(writer, run);
+    writer.close();
+    Layout layout{.header = run.header()};
+    for (int l = 0; l < 2; ++l) {
+      layout.meshes[run.mesh(l).layer] = run.mesh(l);
+      layout.layer_fields[run.mesh(l).layer] = shapes_of(run.layer_frame(l, 0).fields);
+    }
+    for (int i = 0; i < 2; ++i) {
+      layout.interface_fields[run.header().interfaces[i]] = shapes_of(run.interface_frame(i, 0).fields);
+      layout.other_fields[run.header().interfaces[i]] = shapes_of(run.interface_frame(i, 0).fields_on_other);
+    }
+    const auto written = static_cast<double>(std::filesystem::file_size(folder / "record.h5") +
+                                             std::filesystem::file_size(folder / "record.xdmf"));
+    EXPECT_NEAR(static_cast<double>(measure_record(layout)), written, 0.01 * written + 8192);
   }
 }
 
