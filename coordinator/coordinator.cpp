@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "coordinator/frames.hpp"
+#include "coordinator/quantity.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/step.hpp"
 #include "coordinator/waiting.hpp"

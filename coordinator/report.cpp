@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/quantity.hpp"
 #include "coordinator/verdict.hpp"
 
 namespace interply::coordinator {
@@ -66,19 +67,14 @@ DrawIn measure_draw_in(const LayerSlot& slot) {
 
 constexpr double kNegligible = 1e-3;  ///< mJ; a smaller internal energy gives no ratio
 
-void set(summary::Quantity* to, double value, const std::string& unit) {
-  to->set_value(value);
-  to->set_unit(unit);
-}
-
-void set(summary::DrawIn* to, const DrawIn& d) {
+void set_draw_in(summary::DrawIn* to, const DrawIn& d) {
   set(to->mutable_minus_x(), d.minus_x, "mm");
   set(to->mutable_plus_x(), d.plus_x, "mm");
   set(to->mutable_plus_y(), d.plus_y, "mm");
   set(to->mutable_largest(), d.largest, "mm");
 }
 
-void set(summary::OutsideTrust* to, const exchange::OutsideTrust& passed, double first_stroke) {
+void set_outside(summary::OutsideTrust* to, const exchange::OutsideTrust& passed, double first_stroke) {
   to->set_quantity(passed.quantity);
   to->set_meaning(passed.meaning);
   set(to->mutable_limit(), passed.limit, passed.unit);
@@ -138,11 +134,11 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
       entry.set_name(item.name);
       set(entry.mutable_quantity(), item.value, item.unit);
     }
-    set(layer.mutable_draw_in(), measure_draw_in(forming.stack().layer(static_cast<int>(i))));
+    set_draw_in(layer.mutable_draw_in(), measure_draw_in(forming.stack().layer(static_cast<int>(i))));
     set(layer.mutable_kinetic_to_internal(), 100 * end.layer_kinetic[i] / std::max(end.layer_internal[i], kNegligible),
         "%");
     for (const exchange::OutsideTrust& passed : finals[i].outside_trust)
-      set(layer.add_outside_trust(), passed, forming.compute_stroke(passed.first_time));
+      set_outside(layer.add_outside_trust(), passed, forming.compute_stroke(passed.first_time));
   }
   if (forming.stack().punch()) set(s.mutable_punch_force(), 1e-3 * forming.punch_force(), "kN");
   const double target = forming.holder().target();
@@ -227,14 +223,14 @@ std::string format_text(const summary::Summary& s) {
   return text;
 }
 
-std::string format_json(const summary::Summary& s) {
+std::string format_json(const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
   options.always_print_primitive_fields = true;
   options.preserve_proto_field_names = true;
   std::string text;
-  if (!google::protobuf::util::MessageToJsonString(s, &text, options).ok())
-    throw std::runtime_error("the summary cannot be written as JSON");
+  if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok())
+    throw std::runtime_error(message.GetTypeName() + " cannot be written as JSON");
   return text;
 }
 

@@ -15,7 +15,5 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
 
 /// One screen, without the digest line.
 std::string format_text(const summary::Summary& summary);
-/// Every number beside its unit.
-std::string format_json(const summary::Summary& summary);
 
 }  // namespace interply::coordinator

@@ -219,6 +219,11 @@ const contact::ToolInterface* Stack::against_tool(int interface) const {
   return (interface == 0 ? die_ : interface == n_layers() ? blank_holder_ : punch_).get();
 }
 
+const contact::InterfaceLaw& Stack::law(int interface) const {
+  const contact::LayerInterface* between = between_layers(interface);
+  return between ? between->law() : against_tool(interface)->law();
+}
+
 const contact::Points& Stack::points(int interface) const {
   const contact::LayerInterface* between = between_layers(interface);
   return between ? between->points() : against_tool(interface)->points();

@@ -54,6 +54,7 @@ class Stack {
   int n_interfaces() const { return n_layers() + 1 + (punch_ ? 1 : 0); }
   const contact::LayerInterface* between_layers(int interface) const;  ///< null: against a tool
   const contact::ToolInterface* against_tool(int interface) const;     ///< null: between layers
+  const contact::InterfaceLaw& law(int interface) const;
   const contact::Points& points(int interface) const;
   const contact::InterfaceEnergies& energies(int interface) const;
   /// Thickness of the thinner partner, mm.
@@ -78,7 +79,7 @@ class Stack {
   contact::Tool die_tool_, blank_holder_tool_, punch_tool_;
   std::unique_ptr<contact::ToolInterface> die_, blank_holder_, punch_;
   std::vector<std::unique_ptr<contact::LayerInterface>> between_;  ///< i: layers i and i + 1
-  std::vector<observe::ToolSurface> tool_surfaces_;                 ///< die, blank holder, punch if there is one
+  std::vector<observe::ToolSurface> tool_surfaces_;                ///< die, blank holder, punch if there is one
   double flange_area_ = 0, mass_ = 0, stiffness_ = 0, punch_start_ = 0;
 };
 

@@ -47,6 +47,7 @@ class LayerInterface {
   /// facets are flat (THEORY.md 3).
   void add_rates_to(LayerRates lower, LayerRates upper) const;
 
+  const InterfaceLaw& law() const { return law_; }
   const Points& points() const { return points_; }
   const LayerGeometry& lower() const { return lower_; }
   const LayerGeometry& upper() const { return upper_; }

@@ -40,6 +40,7 @@ class ToolInterface {
   /// Area of these nodes, mm2.
   double near_area() const;
 
+  const InterfaceLaw& law() const { return law_; }
   const Points& points() const { return points_; }
   const LayerGeometry& layer() const { return layer_; }
   const Tool& tool() const { return tool_; }

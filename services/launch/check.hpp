@@ -12,9 +12,10 @@ struct CheckOptions {
   std::filesystem::path scene;
   std::vector<std::string> overrides;           ///< path=value
   std::vector<std::filesystem::path> overlays;  ///< laid over the scene before the overrides
+  bool json = false;
 };
 
-/// Validates and prints layers, masses, increments, steps, memory, time and warnings. Returns the exit code.
+/// Validates and prints what check_data() finds, as text or JSON. Returns the exit code.
 /// @throws scene::SceneError
 int check_command(const CheckOptions& options, std::ostream& out);
 

@@ -123,8 +123,9 @@ where stiff.yaml holds, for example: layers: {ply_2: {law: {file: laws/woven_sti
 
 CLI::App* add_check(CLI::App& app, CheckOptions& options) {
   auto* check =
-      app.add_subcommand("check", "validate a scene; show layers, masses, increments, steps, memory and time");
+      app.add_subcommand("check", "validate a scene; show layers, interfaces, tools, steps, memory, record and time");
   add_scene_arguments(*check, options);
+  check->add_flag("--json", options.json, "print all of it as JSON, every number with its unit");
   check->footer(R"(example:
   interply check deploy/scenes/tetrahedron_fml.yaml --set blank.mesh_size=5
 )");

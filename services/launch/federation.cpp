@@ -18,9 +18,9 @@ namespace {
 constexpr double kGraceAfterLoss = 1.5;
 constexpr double kRecorderGraceAfterLoss = 5;
 constexpr double kCoordinatorAfterSuspect = 5;
-constexpr double kGraceAfterCancel = 1.0;  ///< with the next but two, all have ended within 2 s of a signal
-constexpr double kGraceAfterCoordinator = 3;    ///< which has waited for all that joined
-constexpr double kGraceAfterItsCancel = 0.3;    ///< who joins too late knows nothing of it
+constexpr double kGraceAfterCancel = 1.0;     ///< with the next but two, all have ended within 2 s of a signal
+constexpr double kGraceAfterCoordinator = 3;  ///< which has waited for all that joined
+constexpr double kGraceAfterItsCancel = 0.3;  ///< who joins too late knows nothing of it
 constexpr double kKillAfterTerminate = 0.6;
 
 /// A process that leaves with one of these has said why, or was told to: by itself no reason to name it as lost.
@@ -86,9 +86,8 @@ RunResult Federation::supervise() {
 }
 
 void Federation::start(const Participant& participant) {
-  processes_.push_back(
-      {std::make_unique<Child>(participant.name, participant.command, plan_.logs / (participant.name + ".log"),
-                               participant.inherited)});
+  processes_.push_back({std::make_unique<Child>(participant.name, participant.command,
+                                                plan_.logs / (participant.name + ".log"), participant.inherited)});
 }
 
 void Federation::start_others(const std::string& bound) {

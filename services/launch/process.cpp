@@ -48,8 +48,7 @@ constexpr std::size_t kLastLines = 5;
 
 }  // namespace
 
-Child::Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log,
-             int inherited)
+Child::Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log, int inherited)
     : name_(std::move(name)) {
   record::begin_log(log, name_);
   log_.open(log, std::ios::app);

@@ -40,7 +40,8 @@ std::vector<fs::path> find_old_logs(const RunFolder& folder) {
   std::vector<fs::path> logs;
   if (fs::is_directory(folder.logs()))
     for (const auto& entry : fs::directory_iterator(folder.logs()))
-      if (entry.path().extension() == ".log" && record::was_written_by_a_run(entry.path())) logs.push_back(entry.path());
+      if (entry.path().extension() == ".log" && record::was_written_by_a_run(entry.path()))
+        logs.push_back(entry.path());
   return logs;
 }
 
@@ -139,8 +140,7 @@ int run_command(const RunOptions& options) {
   if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
     std::ofstream(folder.summary()) << result.summary_json;
   try {
-    if (result.exit_code != kDone)
-      record::settle_record(folder.out, find_status(result.exit_code), result.message);
+    if (result.exit_code != kDone) record::settle_record(folder.out, find_status(result.exit_code), result.message);
   } catch (const std::exception& e) {  // the disk that ended the run
     terminal.note(fmt::format("warning: the record does not say how the run ended: {}", e.what()));
   }

@@ -107,8 +107,9 @@ void run_layer(const scene::Scene& scene, int index, exchange::InProcessHub& hub
   const auto& layer = scene.layers[static_cast<std::size_t>(index)];
   try {
     const auto link = hub.connect();
-    link->join({.scene_digest = scene.digest, .layer = layer.name, .host = "in-process", .kind = solve::to_word(layer.kind())},
-               scene.exchange.startup_deadline);
+    link->join(
+        {.scene_digest = scene.digest, .layer = layer.name, .host = "in-process", .kind = solve::to_word(layer.kind())},
+        scene.exchange.startup_deadline);
     solve::run_session(scene, index, find_layer_factory(layer.kind()), *link, sink);
   } catch (const exchange::Stopped&) {  // the coordinator says why
   } catch (const mechanics::Divergence&) {

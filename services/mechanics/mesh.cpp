@@ -81,8 +81,10 @@ std::string to_text(const std::array<double, 2>& point) {
 
 }  // namespace
 
+int count_cells_from_centre(double side, double h) { return count_cells(0.5 * side, h); }
+
 TriangleMesh make_blank(double length, double width, double h, double z, bool half, Diagonals diagonals) {
-  const int nx = count_cells(0.5 * length, h), ny = count_cells(0.5 * width, h);
+  const int nx = count_cells_from_centre(length, h), ny = count_cells_from_centre(width, h);
   const int cells_before_centre = nx + (half ? 0 : ny);
   return make_grid(divide_from_centre(0.5 * length, nx, false), divide_from_centre(0.5 * width, ny, half), z, half,
                    (cells_before_centre + (diagonals == Diagonals::Around ? 1 : 0)) % 2);

@@ -33,6 +33,9 @@ enum class Diagonals { Centre, Around };
 /// @param half           only y >= 0; the nodes at y = 0 are held in that plane
 TriangleMesh make_blank(double length, double width, double h, double z, bool half, Diagonals diagonals);
 
+/// Cells of such a blank to one side of its centre, along one of its sides.
+int count_cells_from_centre(double side, double h);
+
 /// Any rectangle with diagonals that alternate from its corner (x[0], y[0]), the first cell's starting there. Sides are
 /// divided into round(length/h) cells, at least one.
 /// @param x, y   {min, max} of the rectangle, mm

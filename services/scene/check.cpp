@@ -22,6 +22,17 @@ void check_ascending(const Table& table, const std::string& path, Report& report
   }
 }
 
+/// Strictly ascending abscissa, and an ordinate that never falls: a falling one is a negative stiffness, and the ply
+/// would tear itself apart there. The last row counts, too: the table goes straight on beyond it.
+void check_fabric_table(const Table& table, const std::string& path, Report& report) {
+  check_ascending(table, path, report);
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    if (report.is_broken(path) || table[i][1] >= table[i - 1][1]) continue;
+    return report.add(join(path, i), "stress " + to_text(table[i][1]) + " MPa is below the one before it, " +
+                                         to_text(table[i - 1][1]) + " MPa: a falling table is a negative stiffness");
+  }
+}
+
 /// First shear angle in [0, pi/2] at which d tau/d gamma = s1 + 2 s2 g + 3 s3 g^2 <= 0 (solver_fabric/THEORY.md), rad.
 std::optional<double> find_shear_softening(const std::array<double, 3>& s) {
   const double c0 = s[0], c1 = 2 * s[1], c2 = 3 * s[2], last = std::numbers::pi / 2;
@@ -42,9 +53,9 @@ void check_woven(const WovenLaw& law, const std::string& path, Report& report) {
   if (!law.tables || report.is_broken(tables)) return;
   if (law.variant != Variant::Fabric && !report.is_broken(join(path, "variant")))
     report.add(tables, "belongs to variant fabric only");
-  check_ascending(law.tables->warp, join(tables, "warp"), report);
-  check_ascending(law.tables->weft, join(tables, "weft"), report);
-  check_ascending(law.tables->shear, join(tables, "shear"), report);
+  check_fabric_table(law.tables->warp, join(tables, "warp"), report);
+  check_fabric_table(law.tables->weft, join(tables, "weft"), report);
+  check_fabric_table(law.tables->shear, join(tables, "shear"), report);
   const Table& shear = law.tables->shear;
   if (!shear.empty() && (shear[0][0] != 0 || shear[0][1] != 0))
     report.add(join(join(tables, "shear"), std::size_t{0}), "must be [0, 0], as the table is continued oddly");

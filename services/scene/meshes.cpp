@@ -42,14 +42,21 @@ bool covers(const geometry::FlatMesh& mesh, const Point& p) {
   });
 }
 
+/// What a mesh that is too small most likely is, or `else_say`.
+std::string describe_size(const geometry::FlatMesh& mesh, const std::string& else_say) {
+  const double size = measure_extent(mesh);
+  if (size > kSmallBlank) return else_say;
+  return "it is only " + to_rounded(size) + " mm large: if it was drawn in metres, scale it by 1000";
+}
+
 void check_covers(const geometry::FlatMesh& mesh, const Scene& scene, const Opening& opening, const std::string& tool,
                   const std::string& path, Report& report) {
   if (opening.stl || report.is_broken(tool)) return;
   for (const Point& p : sample_rim(opening)) {
     if ((scene.blank.half && p[1] <= 0) || covers(mesh, p)) continue;
     return report.add(path, "the mesh does not reach around opening and shoulder of " + tool + ", at (" +
-                                to_rounded(p[0]) + ", " + to_rounded(p[1]) +
-                                ") mm; the openings are centred on the origin");
+                                to_rounded(p[0]) + ", " + to_rounded(p[1]) + ") mm; " +
+                                describe_size(mesh, "the openings are centred on the origin"));
   }
 }
 
@@ -78,6 +85,16 @@ void resolve_mesh(Scene& scene, std::optional<MeshFile>& mesh, const std::filesy
 }
 
 }  // namespace
+
+double measure_extent(const geometry::FlatMesh& mesh) {
+  double extent = 0;
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
+    const auto [low, high] = std::minmax_element(mesh.points.begin(), mesh.points.end(),
+                                                 [&](const Point& a, const Point& b) { return a[axis] < b[axis]; });
+    if (low != high) extent = std::max(extent, (*high)[axis] - (*low)[axis]);
+  }
+  return extent;
+}
 
 void resolve_meshes(Scene& scene, const std::filesystem::path& folder, Report& report) {
   resolve_mesh(scene, scene.blank.mesh, folder, "blank.mesh", report);

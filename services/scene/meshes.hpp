@@ -10,6 +10,11 @@
 
 namespace interply::scene {
 
+constexpr double kSmallBlank = 10;  ///< mm; a smaller mesh was most likely drawn in metres
+
+/// Larger side of the bounding rectangle, mm.
+double measure_extent(const geometry::FlatMesh& mesh);
+
 /// Resolves every mesh file (scene/files.hpp) and checks those whose content is new: readable, a half where the model
 /// is half, and covering the openings of the analytic tools.
 void resolve_meshes(Scene& scene, const std::filesystem::path& folder, Report& report);

@@ -36,7 +36,8 @@ Law read_law(const std::filesystem::path& file);
 /// The same from text; `origin` stands for the file name in messages. @throws SceneError
 Law parse_law(const std::string& text, const std::string& origin);
 
-/// Thickness-independent warnings about a checked scene (e.g. an indefinite law), one sentence each.
+/// Warnings about a checked scene, one sentence each: an indefinite law, a mesh across the fibres, values that look
+/// like another unit.
 std::vector<std::string> find_warnings(const Scene& scene);
 
 }  // namespace interply::scene

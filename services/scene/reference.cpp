@@ -126,6 +126,7 @@ std::string describe_value(const FieldDescriptor& field) {
     add("one value or [warp, weft]");
   if (const std::string range = options.GetExtension(schema::range); !range.empty())
     add((field.cpp_type() == FieldDescriptor::CPPTYPE_INT32 ? "whole, in " : "in ") + range);
+  if (const std::string usual = options.GetExtension(schema::usual); !usual.empty()) add("usually " + usual);
   if (options.GetExtension(schema::required)) add("required");
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "scene.pb.h"
+#include "scene/usual.hpp"
 
 namespace interply::scene {
 namespace {
@@ -32,16 +33,6 @@ std::optional<T> parse_number(const std::string& text) {
   const auto [last, error] = std::from_chars(begin, end, number);
   if (error != std::errc{} || last != end) return std::nullopt;
   return number;
-}
-
-/// Interval such as "(0, inf)" or "[0, 1]"; an empty text holds every number.
-bool contains(const std::string& interval, double value) {
-  if (interval.empty()) return true;
-  const std::size_t comma = interval.find(", ");
-  const double low = *parse_number<double>(interval.substr(1, comma - 1));
-  const double high = *parse_number<double>(interval.substr(comma + 2, interval.size() - comma - 3));
-  return (interval.front() == '[' ? value >= low : value > low) &&
-         (interval.back() == ']' ? value <= high : value < high);
 }
 
 std::vector<std::string> list_keys(const Descriptor& type) {
@@ -184,7 +175,7 @@ class Reader {
   bool is_in_range(double number, const std::string& text, const std::string& path, const FieldOptions& options) {
     const std::string range = options.GetExtension(schema::range), unit = options.GetExtension(schema::unit);
     if (contains(range, number)) return true;
-    report_.add(path, text + " is not in " + range + (unit.empty() ? "" : " " + unit));
+    report_.add(path, text + " is not in " + range + (unit.empty() ? "" : " " + unit) + suggest_unit(number, options));
     return false;
   }
 
@@ -273,6 +264,15 @@ void write_block(const Message& message, YAML::Emitter& out) {
 }
 
 }  // namespace
+
+bool contains(const std::string& interval, double value) {
+  if (interval.empty()) return true;
+  const std::size_t comma = interval.find(", ");
+  const double low = *parse_number<double>(interval.substr(1, comma - 1));
+  const double high = *parse_number<double>(interval.substr(comma + 2, interval.size() - comma - 3));
+  return (interval.front() == '[' ? value >= low : value > low) &&
+         (interval.back() == ']' ? value <= high : value < high);
+}
 
 bool is_list(const Descriptor& type) { return type.options().GetExtension(schema::list); }
 bool is_word(const Descriptor& type) { return type.options().GetExtension(schema::word); }

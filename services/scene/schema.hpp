@@ -21,6 +21,9 @@ namespace interply::scene {
 bool is_list(const google::protobuf::Descriptor& type);
 bool is_word(const google::protobuf::Descriptor& type);
 
+/// Whether an interval of the schema, such as "(0, inf)" or "[0, 1]", holds a number; an empty text holds every one.
+bool contains(const std::string& interval, double value);
+
 /// Copies a YAML tree into a message. Unknown keys, wrong types, values out of range and missing keys go to the report;
 /// what is wrong stays unset. @param path of `value` in the scene, e.g. "layers[2].law"; "" for all of it
 void read_message(const Value& value, const std::string& path, google::protobuf::Message& message, Report& report);

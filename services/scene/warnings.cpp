@@ -1,14 +1,20 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "geometry/alignment.hpp"
+#include "scene/convert.hpp"
 #include "scene/meshes.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
+#include "scene/usual.hpp"
 
 namespace interply::scene {
 namespace {
+
+constexpr double kFastPunch = 30e3;  ///< mm/s; three times what is common where time is scaled
 
 bool has_biaxial_coupling(const WovenLaw& law) {
   return law.variant == Variant::Full || law.variant == Variant::Biaxial;
@@ -53,6 +59,40 @@ void warn_of_woven(const WovenLaw& law, const std::string& path, std::vector<std
                        to_rounded(2.08 / c) + "; lower c or set strain_cap");
 }
 
+/// Of the blank in whose mesh the layer lies, mm.
+double measure_smaller_side(const Scene& scene, const std::optional<geometry::FlatMesh>& mesh) {
+  return mesh ? measure_extent(*mesh) : std::min(scene.blank.length, scene.blank.width);
+}
+
+void warn_of_sizes(const Scene& scene, std::vector<std::string>& warnings) {
+  const auto mesh = read_mesh_of(scene, 0);
+  const double side = measure_smaller_side(scene, mesh), stroke = scene.motion.stroke;
+  if (mesh && side < kSmallBlank)
+    warnings.push_back(
+        fmt::format("blank.mesh: is only {:.3g} mm large: if it was drawn in metres, scale it by 1000", side));
+  else if (stroke > side / 2)
+    warnings.push_back(fmt::format(
+        "motion.stroke: {:g} mm is more than half the blank of {:.4g} mm: is that the way of the punch from "
+        "where it touches the stack?",
+        stroke, side));
+  const double speed = 15.0 / 8 * stroke / scene.motion.forming_time;  // of the smooth step, at its middle
+  if (scene.tools.punch && speed > kFastPunch)
+    warnings.push_back(fmt::format(
+        "motion.forming_time: the punch moves at up to {:.4g} m/s, beyond {:g} m/s inertia forms the blank: "
+        "is the time in s, the stroke in mm?",
+        1e-3 * speed, 1e-3 * kFastPunch));
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const Layer& layer = scene.layers[i];
+    const double h = layer.mesh_size.value_or(scene.blank.mesh_size);
+    if (scene.blank.mesh || layer.mesh || h >= layer.thickness / 2) continue;
+    warnings.push_back(
+        fmt::format("{}: a mesh of {:g} mm is finer than half the thickness of {:g} mm: a shell says nothing at that "
+                    "scale, and half the size takes eight times the time",
+                    layer.mesh_size ? join(join("layers", i), "mesh_size") : "blank.mesh_size", h, layer.thickness));
+    break;  // say it once
+  }
+}
+
 /// Share of a layer's area in triangles without sides along both fibres.
 double compute_misaligned_share(const Scene& scene, std::size_t layer) {
   const double orientation = scene.layers[layer].orientation_deg * std::numbers::pi / 180;
@@ -73,7 +113,8 @@ void warn_of_alignment(const Scene& scene, std::size_t layer, std::vector<std::s
 }  // namespace
 
 std::vector<std::string> find_warnings(const Scene& scene) {
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = find_unusual(to_message(scene));
+  warn_of_sizes(scene, warnings);
   bool fabric_only = true;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const Layer& layer = scene.layers[i];

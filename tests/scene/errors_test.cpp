@@ -20,7 +20,8 @@ TEST(SceneErrors, ValueOutOfRangeSaysTheRange) {
   EXPECT_EQ(refuse(with("variant: full", "p_min: [0.5, -0.1]")),
             "scene.yaml:12: layers[1].law.woven.p_min[1]: -0.1 is not in [0, 1]");
   EXPECT_EQ(refuse_value("layers.ply_1.thickness=-1"), "layers[1].thickness: -1 is not in (0, inf) mm");
-  EXPECT_EQ(refuse_value("layers.sheet.density=7850"), "layers[0].density: 7850 is not in (0, 1e-06] t/mm3");
+  EXPECT_EQ(refuse_value("layers.sheet.density=7850"),
+            "layers[0].density: 7850 is not in (0, 1e-06] t/mm3; in kg/m3 it would be 7.85e-09 t/mm3");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.poisson=0.5"), "layers[0].law.j2.poisson: 0.5 is not in (-1, 0.5)");
   EXPECT_EQ(refuse_value("layers.sheet.law.j2.young=0"), "layers[0].law.j2.young: 0 is not in (0, inf) MPa");
   EXPECT_EQ(refuse_value("layers.sheet.integration_points=16"), "layers[0].integration_points: 16 is not in [1, 15]");
@@ -127,6 +128,13 @@ TEST(SceneErrors, TablesAreAscending) {
             "layers[1].law.woven.tables.warp[1]: abscissa -1 is not above the one before it, 0");
   EXPECT_EQ(refuse_value(tables + "{warp: [[0, 0], [1, 1]], weft: [[0, 0], [1, 1]], shear: [[0, 1], [1, 1]]}}"),
             "layers[1].law.woven.tables.shear[0]: must be [0, 0], as the table is continued oddly");
+  for (const std::string key : {"warp", "weft", "shear"}) {
+    std::string block = "{warp: [[0, 0], [1, 1]], weft: [[0, 0], [1, 1]], shear: [[0, 0], [1, 1]]}}";
+    const std::size_t at = block.find(key + ": [[0, 0], [1, 1]]") + key.size();
+    EXPECT_EQ(refuse_value(tables + block.replace(at, 18, ": [[0, 0], [0.1, 3], [0.2, 2.5]]")),
+              "layers[1].law.woven.tables." + key +
+                  "[2]: stress 2.5 MPa is below the one before it, 3 MPa: a falling table is a negative stiffness");
+  }
   EXPECT_EQ(refuse_value(tables + "{warp: [[0, 0], [1, 1]], shear: [[0, 0], [1, 1]]}}"),
             "layers[1].law.woven.tables.weft: is required and has no default");
 }
@@ -164,8 +172,10 @@ TEST(SceneErrors, BlankTakesAtLeastTwoElementsAlongItsSmallerSide) {
 /// adds its inradius, 1 mm, one shorter by sqrt(3) mm takes its circumradius, 1 mm.
 TEST(SceneErrors, AMeshBeyondEveryMachineIsRefusedAtOnceWithOneThatIsNot) {
   EXPECT_EQ(refuse_value("blank.mesh_size=1e-9"),
-            "blank.mesh_size: 1e-09 mm would make 7.84e+22 elements of each layer, and 1e+08 are the most; 0.028 mm would do");
-  EXPECT_EQ(refuse_value("layers.ply_1.mesh_size=0.001").substr(0, 55), "layers[1].mesh_size: 0.001 mm would make 7.84e+10 eleme");
+            "blank.mesh_size: 1e-09 mm would make 7.84e+22 elements of each layer, and 1e+08 are the most; 0.028 mm "
+            "would do");
+  EXPECT_EQ(refuse_value("layers.ply_1.mesh_size=0.001").substr(0, 55),
+            "layers[1].mesh_size: 0.001 mm would make 7.84e+10 eleme");
 }
 
 TEST(SceneErrors, PunchFitsTheOpeningsWithTheStack) {
@@ -204,8 +214,8 @@ TEST(SceneErrors, FrictionPairsAreNeighbours) {
 TEST(SceneErrors, AddressIsOneThatTheExchangeKnows) {
   for (const char* good : {"shm", "ipc", "shm:///tmp/x", "ipc:///tmp/x", "tcp://127.0.0.1:5555", "tcp://[::1]:65535"})
     EXPECT_EQ(refuse_value(std::string("exchange.address=\"") + good + "\""), "");
-  for (const std::string bad :
-       {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "shm://", "ipc://", "tcp://a:5x", "tcp://::1:5"})
+  for (const std::string bad : {"udp://a:1", "tcp://host", "tcp://host:0", "tcp://:5", "tcp://host:65536", "shm://",
+                                "ipc://", "tcp://a:5x", "tcp://::1:5"})
     EXPECT_EQ(
         refuse(kSmallScene + "exchange: {address: \"" + bad + "\"}\n"),
         "scene.yaml:15: exchange.address: '" + bad + "' is not shm, ipc, shm://path, ipc://path or tcp://host:port");
@@ -214,8 +224,8 @@ TEST(SceneErrors, AddressIsOneThatTheExchangeKnows) {
 TEST(SceneErrors, NameIsThatOfOneFolder) {
   for (const char* good : {"trial", "Versuch 7 (Köper)", "a.b-c_d+e"})
     EXPECT_EQ(refuse_value(std::string("name=\"") + good + "\""), "") << good;
-  for (const std::string& bad : std::vector<std::string>{"../../escaped", "/tmp/x", "a/b", "..", ".", ".hidden", "", "--overwrite", "a\\nb",
-                                "a\\eb", std::string(101, 'x')})
+  for (const std::string& bad : std::vector<std::string>{"../../escaped", "/tmp/x", "a/b", "..", ".", ".hidden", "",
+                                                         "--overwrite", "a\\nb", "a\\eb", std::string(101, 'x')})
     EXPECT_NE(refuse_value("name=\"" + bad + "\"").find("cannot name the folder of a run"), std::string::npos) << bad;
 }
 
@@ -251,7 +261,8 @@ TEST(SceneErrors, MalformedYamlSaysItsLine) {
 }
 
 TEST(SceneErrors, ATabIsCalledATab) {
-  EXPECT_EQ(refuse("name: x\nlayers:\n\t- {name: a}\n"), "scene.yaml:3: not valid YAML: a tab indents this line; use spaces");
+  EXPECT_EQ(refuse("name: x\nlayers:\n\t- {name: a}\n"),
+            "scene.yaml:3: not valid YAML: a tab indents this line; use spaces");
 }
 
 TEST(SceneErrors, AllProblemsAreSaidAtOnce) {

@@ -26,12 +26,12 @@ class BlankFiles : public testing::Test {
   ~BlankFiles() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-  static std::string make_grid(int first_row, int rows) {
+  static std::string make_grid(int first_row, int rows, double scale = 1) {
     std::string nodes = "*NODE\n", elements = "*ELEMENT, TYPE=S4, ELSET=all\n", left = "*ELSET, ELSET=left\n";
     for (int j = 0; j <= rows; ++j)
       for (int i = 0; i <= 4; ++i)
-        nodes += std::to_string(5 * j + i + 1) + ", " + std::to_string(100 * (i - 2)) + ", " +
-                 std::to_string(first_row * 100 + 50 * j) + "\n";
+        nodes += std::to_string(5 * j + i + 1) + ", " + std::to_string(scale * 100 * (i - 2)) + ", " +
+                 std::to_string(scale * (first_row * 100 + 50 * j)) + "\n";
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < 4; ++i) {
         const int a = 5 * j + i + 1, e = 4 * j + i + 1;
@@ -102,9 +102,8 @@ TEST_F(BlankFiles, AChangedIncludedFileIsAnotherScene) {
     EXPECT_THAT(error.what(), HasSubstr("blank.mesh.file: " + in_folder("main.inp") + " has changed"));
   }
   fs::remove(folder_ / "parts/nodes.inp");
-  EXPECT_THAT(refuse("{mesh: {file: main.inp}}"),
-              HasSubstr("main.inp:1: includes 'parts/nodes.inp', but " + in_folder("parts/nodes.inp") +
-                        ": there is no such file"));
+  EXPECT_THAT(refuse("{mesh: {file: main.inp}}"), HasSubstr("main.inp:1: includes 'parts/nodes.inp', but " +
+                                                            in_folder("parts/nodes.inp") + ": there is no such file"));
 }
 
 TEST_F(BlankFiles, ARectangleAndAMeshExcludeEachOther) {
@@ -126,6 +125,9 @@ TEST_F(BlankFiles, UnusableOnesAreRefusedInOneSentence) {
           ": the node at (-200, -200) mm lies at y < 0; a half model holds y >= 0 only: cut the mesh at y = 0, or "
           "take the whole blank with symmetry: full");
   EXPECT_EQ(refuse("{mesh: {file: full.inp}, symmetry: full}"), "");
+  write("metres.inp", make_grid(0, 4, 1e-3));
+  EXPECT_THAT(refuse("{mesh: {file: metres.inp}}"),
+              HasSubstr("mm; it is only 0.4 mm large: if it was drawn in metres, scale it by 1000"));
   EXPECT_EQ(refuse("{mesh: {file: half.inp, set: left}}"), at +
                                                                "the mesh does not reach around opening and shoulder of "
                                                                "tools.die, at (89.6133, 2.78898) mm; the openings are "

@@ -14,8 +14,9 @@ using testing::HasSubstr;
 
 TEST(Reference, SaysDefaultUnitRangeAndMeaning) {
   const std::string text = describe_keys("motion");
-  EXPECT_THAT(text, testing::ContainsRegex("stroke: 60 +# mm, in \\[0, inf\\); of the punch, downwards\n"));
-  EXPECT_THAT(describe_keys("layers.density"), HasSubstr("t/mm3, in (0, 1e-06], required"));
+  EXPECT_THAT(text, testing::ContainsRegex(
+                        "stroke: 60 +# mm, in \\[0, inf\\), usually \\[0.1, 1e3\\]; of the punch, downwards\n"));
+  EXPECT_THAT(describe_keys("layers.density"), HasSubstr("t/mm3, in (0, 1e-06], usually [1e-10, 3e-8], required"));
   EXPECT_THAT(
       describe_keys("layers[2].law.woven.variant"),
       HasSubstr("variant: full                     # fabric | uncoupled | full | biaxial | normal_shear; which"));

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -11,6 +12,8 @@
 
 namespace interply::scene {
 namespace {
+
+using ::testing::HasSubstr;
 
 const std::filesystem::path kSource = INTERPLY_SOURCE_DIR;
 
@@ -293,8 +296,8 @@ TEST(Warnings, MeshAcrossTheFibresLocks) {
     return find_warnings(parse_scene(kSmallScene, "a", {"layers.ply_1.orientation=" + angle, "blank.symmetry=full"}));
   };
   ASSERT_EQ(warn("45").size(), 1u);
-  EXPECT_TRUE(warn("45")[0].starts_with(
-      "layers[1].orientation: 100 % of the mesh has no sides along both fibres and locks: "));
+  EXPECT_TRUE(
+      warn("45")[0].starts_with("layers[1].orientation: 100 % of the mesh has no sides along both fibres and locks: "));
   EXPECT_EQ(warn("22.5").size(), 1u);
   EXPECT_TRUE(warn("90").empty());
   EXPECT_TRUE(warn("-178").empty());
@@ -304,6 +307,49 @@ TEST(Warnings, MassScalingOfPureFabric) {
   const std::string fabric = "layers: [{name: ply, density: 1e-9, law: {woven: {}}}]\ntime: {mass_scaling: 10}";
   EXPECT_EQ(find_warnings(parse_scene(fabric, "a")).size(), 1u);
   EXPECT_TRUE(find_warnings(parse_scene(kSmallScene, "a", {"time.mass_scaling=10"})).empty());
+}
+
+/// A number in the wrong unit is named with the unit that it most likely is in.
+TEST(Warnings, ValueInAnotherUnitIsNamedWithTheUnit) {
+  const auto warn = [](const std::string& value) {
+    const auto warnings = find_warnings(parse_scene(kSmallScene, "a", {value}));
+    return warnings.empty() ? "" : warnings[0];
+  };
+  EXPECT_EQ(
+      warn("layers.ply_1.density=6.19e-7"),
+      "layers[1].density: 6.19e-07 t/mm3 is unusual, common is [1e-10, 3e-8]; in kg/mm3 it would be 6.19e-10 t/mm3");
+  EXPECT_EQ(warn("layers.sheet.law.j2.young=210"),
+            "layers[0].law.j2.young: 210 MPa is unusual, common is [1e3, 1e6]; in GPa it would be 210000 MPa");
+  EXPECT_THAT(warn("layers.sheet.law.j2.young=2.1e11"), HasSubstr("; in Pa it would be 210000 MPa"));
+  EXPECT_THAT(warn("layers.sheet.law.j2.hardening={swift: {K: 5.3e8}}"), HasSubstr("; in Pa it would be 530 MPa"));
+  EXPECT_THAT(warn("layers.ply_1.law.woven.a=5.5e9"), HasSubstr("; in Pa it would be 5500 MPa"));
+  EXPECT_THAT(warn("layers.ply_1.law.woven.s=[1.7e5, 0, 0]"), HasSubstr("; in Pa it would be 0.17 MPa"));
+  EXPECT_THAT(warn("layers.sheet.thickness=1000"), HasSubstr("; in um it would be 1 mm"));
+  EXPECT_THAT(warn("tools.blank_holder.pressure=2e6"), HasSubstr("; in Pa it would be 2 MPa"));
+  EXPECT_THAT(warn("tools.blank_holder.ramp=1"), HasSubstr("; in ms it would be 0.001 s"));
+  EXPECT_THAT(warn("motion.forming_time=15"), HasSubstr("; in ms it would be 0.015 s"));
+  EXPECT_THAT(warn("motion.stroke=0.06"), HasSubstr("; in m it would be 60 mm"));
+  EXPECT_EQ(warn("friction.tool_steel=15"),
+            "friction.tool_steel: 15 is unusual, common is [0, 1]; in per cent it would be 0.15");
+  EXPECT_THAT(warn("friction.pairs=[{between: [die, sheet], coefficient: 10}]"),
+              HasSubstr("in per cent it would be 0.1"));
+  for (const char* common : {"friction.tool_steel=0", "motion.stroke=0", "tools.blank_holder.pressure=0"})
+    EXPECT_EQ(warn(common), "");
+}
+
+/// The punch moves 1.875 strokes per forming time at its fastest.
+TEST(Warnings, SpeedStrokeAndMeshBesideTheBlank) {
+  const auto warn = [](const std::vector<std::string>& values) {
+    const auto warnings = find_warnings(parse_scene(kSmallScene, "a", values));
+    return warnings.empty() ? "" : warnings[0];
+  };
+  EXPECT_THAT(warn({"tools.punch={}", "motion={stroke: 60, forming_time: 2e-3}"}),
+              HasSubstr("motion.forming_time: the punch moves at up to 56.25 m/s"));
+  EXPECT_EQ(warn({"tools.punch={}", "motion={stroke: 60, forming_time: 4e-3}"}), "");
+  EXPECT_THAT(warn({"motion={stroke: 141, forming_time: 0.1}"}),
+              HasSubstr("motion.stroke: 141 mm is more than half the blank of 280 mm"));
+  EXPECT_THAT(warn({"layers.sheet.mesh_size=0.4", "layers.sheet.thickness=1"}),
+              HasSubstr("layers[0].mesh_size: a mesh of 0.4 mm is finer than half the thickness of 1 mm"));
 }
 
 /// Damaged text is either still a scene or refused in words; it never ends the process.

@@ -1,0 +1,303 @@
+#include "launch/datacheck.hpp"
+
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <thread>
+
+#include "coordinator/amplitude.hpp"
+#include "coordinator/coordinator.hpp"
+#include "coordinator/quantity.hpp"
+#include "coordinator/stack.hpp"
+#include "coordinator/tool_check.hpp"
+#include "launch/inertia.hpp"
+#include "launch/layer_factories.hpp"
+#include "launch/record_size.hpp"
+#include "launch/run.hpp"
+#include "record/disk.hpp"
+#include "scene/read_scene.hpp"
+
+namespace interply::launch {
+namespace {
+
+using coordinator::set;
+using Mechanics = std::vector<std::unique_ptr<solve::LayerMechanics>>;
+
+// Measured on tetrahedron_fml_coarse:
+constexpr double kBytesPerProcess = 18e6;  ///< resident before a process has a layer: libraries, carriers
+constexpr double kAllWork = 2.8;           ///< work of all processes / work of the layers' elements while elastic
+constexpr double kMoreSteps = 1.25;        ///< steps / steps at the initial increment
+
+constexpr double kMostElements = 200e3;  ///< of all layers, to measure on
+constexpr double kMuchInertia = 0.02;    ///< kinetic share above which the estimate is worth a warning
+
+struct Size {
+  double nodes = 0, elements = 0;
+};
+
+Size count(const scene::Scene& scene, std::size_t layer) {
+  const scene::Layer& own = scene.layers[layer];
+  if (scene.blank.mesh || own.mesh) {
+    const auto mesh = solve::make_layer_mesh(scene, static_cast<int>(layer));
+    return {static_cast<double>(mesh.n_nodes()), static_cast<double>(mesh.n_elements())};
+  }
+  const double h = own.mesh_size.value_or(scene.blank.mesh_size);
+  const double columns = 2.0 * mechanics::count_cells_from_centre(scene.blank.length, h);
+  const double rows = (scene.blank.half ? 1.0 : 2.0) * mechanics::count_cells_from_centre(scene.blank.width, h);
+  return {(columns + 1) * (rows + 1), 2 * columns * rows};
+}
+
+/// The scene, or one of the same elements that is quick to measure: a smaller rectangle of the same cells, and plates
+/// with a round opening of the same share in place of surfaces.
+/// @param elements  of all layers of the scene
+scene::Scene make_stand_in(const scene::Scene& scene, double elements, double flange_share) {
+  const bool has_files = scene.blank.mesh || std::any_of(scene.layers.begin(), scene.layers.end(),
+                                                         [](const scene::Layer& l) { return l.mesh.has_value(); });
+  const bool has_surfaces =
+      scene.tools.die.stl || scene.tools.blank_holder.opening.stl || (scene.tools.punch && scene.tools.punch->stl);
+  if (has_files || (elements <= kMostElements && !has_surfaces)) return scene;
+  scene::Scene small = scene;
+  const double scale = std::min(1.0, std::sqrt(kMostElements / elements)), h = scene.blank.mesh_size;
+  for (double* side : {&small.blank.length, &small.blank.width}) {
+    const int cells = mechanics::count_cells_from_centre(*side, h);
+    *side *= std::max(1.0, std::round(scale * cells)) / cells;
+  }
+  const double area = (1 - flange_share) * small.blank.length * small.blank.width;
+  const double radius = std::max(std::sqrt(area / std::numbers::pi), 1e-3);
+  for (scene::Opening* opening : {&small.tools.die, &small.tools.blank_holder.opening}) {
+    opening->edge = 1e-6 * radius;
+    opening->offset = opening->shoulder = 0.5 * radius;
+    opening->stl.reset();
+  }
+  if (small.tools.punch) {
+    small.tools.punch->edge = small.tools.punch->height = small.tools.punch->radius = 0.5 * radius;
+    small.tools.punch->stl.reset();
+  }
+  return small;
+}
+
+/// What a stack costs and allows, from its initial state.
+struct Measured {
+  std::vector<double> increments;    ///< of each layer alone, s
+  std::vector<double> step_seconds;  ///< of each layer, one thread, measured here
+  coordinator::Votes votes;
+  std::vector<contact::InterfaceLaw> laws;  ///< of each interface
+  double bytes = 0;                         ///< of all arrays of a run
+  double record_bytes = 0;
+};
+
+double measure_step(solve::LayerMechanics& mechanics, const mechanics::NodalVectors& reference) {
+  mechanics::NodalVectors force(3, reference.cols());
+  double fastest = INFINITY;
+  for (int i = 0; i < 5; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    mechanics.compute_internal_forces(reference, {}, force);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    fastest = std::min(fastest, taken.count());
+  }
+  return fastest;
+}
+
+/// Bytes in use of the heap.
+double count_bytes() {
+  const auto heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd);
+}
+
+Measured measure(const scene::Scene& scene) {
+  const double before = count_bytes();
+  Measured found;
+  coordinator::Stack stack(scene);
+  stack.begin_step();
+  Mechanics layers;
+  for (int i = 0; i < stack.n_layers(); ++i) {
+    const mechanics::TriangleMesh& mesh = stack.layer(i).mesh;
+    layers.push_back(find_layer_factory(scene.layers[static_cast<std::size_t>(i)].kind())(scene, i, mesh));
+    found.step_seconds.push_back(measure_step(*layers.back(), mesh.reference));
+    found.increments.push_back(layers.back()->compute_stable_increment(mesh.reference));
+    stack.accept(i, {.vote = found.increments.back(), .position = mesh.reference}, 0);
+  }
+  found.votes = stack.collect_votes();
+  for (int k = 0; k < stack.n_interfaces(); ++k) found.laws.push_back(stack.law(k));
+  found.bytes = count_bytes() - before;
+  found.record_bytes = static_cast<double>(measure_record(scene, layers, stack));
+  return found;
+}
+
+/// Wall time of a step: no faster than the slowest process, nor than all work shared among the cores.
+double estimate_step_seconds(const scene::Scene& scene, const Measured& measured, double cores) {
+  double sum = 0, slowest = 0;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    sum += measured.step_seconds[i];
+    slowest = std::max(slowest, measured.step_seconds[i] / scene.layers[i].threads);
+  }
+  return std::max(slowest, kAllWork * sum / cores);
+}
+
+/// Bytes of main memory that may still be taken, or nothing.
+std::optional<double> find_free_memory() {
+  std::ifstream in("/proc/meminfo");
+  for (std::string key, rest; in >> key && std::getline(in, rest);)
+    if (key == "MemAvailable:") return 1024 * std::stod(rest);
+  return std::nullopt;
+}
+
+std::string describe(const scene::Law& law) {
+  if (const auto* woven = std::get_if<scene::WovenLaw>(&law)) {
+    static constexpr const char* kVariants[] = {"fabric", "uncoupled", "full", "biaxial", "normal_shear"};
+    return std::string("woven ") + kVariants[static_cast<std::size_t>(woven->variant)];
+  }
+  if (const auto* j2 = std::get_if<scene::J2Law>(&law)) {
+    static constexpr const char* kCurves[] = {"swift", "voce", "hockett_sherby", "table"};
+    return std::string("j2 ") + (j2->hill48 ? "hill48 " : "") + kCurves[j2->hardening.index()];
+  }
+  return "vumat " + std::filesystem::path(std::get<scene::VumatLaw>(law).library.path).filename().string();
+}
+
+std::string describe_blank(const scene::Blank& blank) {
+  if (blank.mesh) return "blank of " + std::filesystem::path(blank.mesh->file.path).filename().string();
+  return fmt::format("{:g} x {:g} mm in {:g} mm mesh", blank.length, blank.width, blank.mesh_size);
+}
+
+void add_layers(const scene::Scene& scene, const std::vector<Size>& sizes, double blank_area, const Measured& measured,
+                datacheck::Datacheck& check) {
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const scene::Layer& layer = scene.layers[i];
+    const double area = scene.blank.mesh || layer.mesh
+                            ? mechanics::compute_areas(solve::make_layer_mesh(scene, static_cast<int>(i))).sum()
+                            : blank_area;
+    const double gram = 1e6 * area * layer.thickness * layer.density;
+    datacheck::Layer& entry = *check.add_layers();
+    entry.set_name(layer.name);
+    entry.set_kind(layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
+    entry.set_law(describe(layer.law));
+    set(entry.mutable_orientation(), layer.orientation_deg, "deg");
+    set(entry.mutable_thickness(), layer.thickness, "mm");
+    set(entry.mutable_nodes(), sizes[i].nodes, "-");
+    set(entry.mutable_elements(), sizes[i].elements, "-");
+    set(entry.mutable_mass(), gram, "g");
+    set(entry.mutable_added_mass(), gram * (scene.time.mass_scaling - 1), "g");
+    set(entry.mutable_increment(), 1e6 * measured.increments[i], "us");
+  }
+}
+
+void add_interfaces(const scene::Scene& scene, const Measured& measured, datacheck::Datacheck& check) {
+  const auto names = coordinator::name_interfaces(scene);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    datacheck::Interface& entry = *check.add_interfaces();
+    entry.set_name(names[k].name);
+    set(entry.mutable_friction(), measured.laws[k].friction, "-");
+    set(entry.mutable_stiffness(), measured.laws[k].stiffness, "MPa/mm");
+  }
+}
+
+void add_tools(const coordinator::ToolCheck& tools, datacheck::Datacheck& check) {
+  for (const coordinator::ToolFacts& tool : tools.tools) {
+    datacheck::Tool& entry = *check.add_tools();
+    entry.set_name(tool.name);
+    entry.set_shape(tool.shape);
+    set(entry.mutable_size_x(), tool.size[0], "mm");
+    set(entry.mutable_size_y(), tool.size[1], "mm");
+    set(entry.mutable_size_z(), tool.size[2], "mm");
+    set(entry.mutable_touching_height(), tool.touching, "mm");
+    set(entry.mutable_moved(), tool.moved, "mm");
+    if (std::isfinite(tool.radius)) set(entry.mutable_smallest_radius(), tool.radius, "mm");
+  }
+}
+
+void add_motion(const scene::Scene& scene, const coordinator::ToolCheck& tools, datacheck::Datacheck& check) {
+  datacheck::Motion& motion = *check.mutable_motion();
+  const double speed = scene.tools.punch ? coordinator::kSteepest * scene.motion.stroke / scene.motion.forming_time : 0;
+  set(motion.mutable_stroke(), scene.motion.stroke, "mm");
+  set(motion.mutable_time(), 1e3 * scene.end_time(), "ms");
+  set(motion.mutable_largest_speed(), 1e-3 * speed, "m/s");
+  set(motion.mutable_holder_force(), 1e-3 * scene.tools.blank_holder.pressure * tools.flange_area, "kN");
+  const auto share = estimate_kinetic_share(scene, tools.flange_area, tools.blank_area);
+  if (!share) return;
+  set(motion.mutable_kinetic_share(), 100 * *share, "%");
+  if (*share > kMuchInertia)
+    check.add_warnings(
+        fmt::format("motion.forming_time: inertia may take {:.2g} % of the work: {:.2g} s would leave about 1 %",
+                    100 * *share, scene.motion.forming_time * std::sqrt(*share / 0.01)));
+}
+
+/// @param more  elements of the scene / elements of what was measured
+void add_cost(const scene::Scene& scene, const Measured& measured, double more, datacheck::Datacheck& check) {
+  datacheck::Cost& cost = *check.mutable_cost();
+  const auto fastest = static_cast<std::size_t>(measured.votes.fastest);
+  const double frames = scene.record.frames;
+  const double dt = scene.time.safety * measured.votes.stack;
+  const double steps = std::max(frames, std::ceil(scene.end_time() / dt));
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  const double processes = static_cast<double>(scene.layers.size()) + (frames > 0 ? 2 : 1);
+  set(cost.mutable_increment(), 1e6 * dt, "us");
+  cost.set_fastest(fastest < scene.layers.size() ? scene.layers[fastest].name : "the blank holder");
+  set(cost.mutable_steps(), steps, "-");
+  set(cost.mutable_frames(), frames > 0 ? frames + 1 : 0, "-");
+  set(cost.mutable_processes(), processes, "-");
+  const double memory = more * measured.bytes + processes * kBytesPerProcess, record = more * measured.record_bytes;
+  set(cost.mutable_memory(), memory / (1 << 20), "MiB");
+  set(cost.mutable_record(), record / (1 << 20), "MiB");
+  set(cost.mutable_cores(), cores, "-");
+  set(cost.mutable_wall_time(), kMoreSteps * steps * more * estimate_step_seconds(scene, measured, cores), "s");
+  if (const auto free = find_free_memory()) {
+    set(cost.mutable_free_memory(), *free / (1 << 20), "MiB");
+    if (memory > *free)
+      check.add_warnings(fmt::format("memory: the run needs about {:.0f} MiB and {:.0f} MiB are free",
+                                     memory / (1 << 20), *free / (1 << 20)));
+  }
+  if (const auto free = record::find_free_space(std::filesystem::path("runs") / scene.name)) {
+    set(cost.mutable_free_disk(), static_cast<double>(*free) / (1 << 20), "MiB");
+    if (record > static_cast<double>(*free))
+      check.add_warnings(
+          fmt::format("record.frames: the record takes about {:.0f} MiB and {:.0f} MiB are free in runs/{}: keep fewer "
+                      "frames or give "
+                      "`interply run` another --out",
+                      record / (1 << 20), static_cast<double>(*free) / (1 << 20), scene.name));
+  }
+}
+
+}  // namespace
+
+datacheck::Datacheck check_data(const scene::Scene& scene) {
+  datacheck::Datacheck check;
+  check.set_interply(exchange::kVersion);
+  check.set_scene(scene.name);
+  check.set_blank(describe_blank(scene.blank));
+  check.set_modelled_part(scene.blank.half ? "half model" : "full model");
+  for (const auto& warning : scene::find_warnings(scene)) check.add_warnings(warning);
+  for (const auto& warning : check_laws(scene)) check.add_warnings(warning);
+  const coordinator::ToolCheck tools = coordinator::check_tools(scene);
+  for (const auto& warning : tools.warnings) check.add_warnings(warning);
+  try {
+    check_addresses(scene);
+  } catch (const scene::SceneError&) {
+    throw;
+  } catch (const std::exception& e) {  // that may have ended when the run begins
+    check.add_warnings(fmt::format("exchange.address: {}", e.what()));
+  }
+  std::vector<Size> sizes;
+  double elements = 0;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    sizes.push_back(count(scene, i));
+    elements += sizes.back().elements;
+  }
+  const scene::Scene stand_in = make_stand_in(scene, elements, tools.flange_area / tools.blank_area);
+  double measured_elements = 0;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) measured_elements += count(stand_in, i).elements;
+  const Measured measured = measure(stand_in);
+  add_layers(scene, sizes, tools.blank_area, measured, check);
+  add_interfaces(scene, measured, check);
+  add_tools(tools, check);
+  add_motion(scene, tools, check);
+  add_cost(scene, measured, elements / measured_elements, check);
+  return check;
+}
+
+}  // namespace interply::launch
