@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "launch/bench_command.hpp"
 #include "launch/check.hpp"
 #include "launch/init.hpp"
+#include "launch/new_file.hpp"
 #include "launch/point.hpp"
 #include "launch/run.hpp"
 #include "process/nearest.hpp"
@@ -83,30 +83,35 @@ std::string find_unknown_words(const CLI::App& app) {
   return "";
 }
 
+template <class Values>
+void add_repeatable(CLI::App& command, const char* name, Values& values, const char* help, const char* type) {
+  command.add_option(name, values, help)->type_name(type)->expected(1)->take_all()->allow_extra_args(false);
+}
+
 /// @param options  of a command that takes a scene
 template <class Options>
 void add_scene_arguments(CLI::App& command, Options& options) {
   command.add_option("scene", options.scene, "scene file (YAML)")->required()->type_name("SCENE");
-  const auto add_repeatable = [&](const char* name, auto& values, const char* help, const char* type) {
-    command.add_option(name, values, help)->type_name(type)->expected(1)->take_all()->allow_extra_args(false);
-  };
-  add_repeatable("--with", options.overlays, "lay a file with part of a scene over it; may be repeated", "FILE");
-  add_repeatable("--set", options.overrides, "override any key of the scene, after that; may be repeated",
+  add_repeatable(command, "--with", options.overlays, "lay a file with part of a scene over it; may be repeated",
+                 "FILE");
+  add_repeatable(command, "--set", options.overrides, "override any key of the scene, after that; may be repeated",
                  "PATH=VALUE");
 }
 
 struct PointOptions {
   std::filesystem::path law, path, out;
+  std::vector<std::string> overrides;
+  bool overwrite = false;
 };
 
 int point_command(const PointOptions& options) {
-  if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr);
+  if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr, options.overrides);
+  const char* cure = "give another -o, or say --overwrite";
+  if (!options.overwrite) check_is_new(options.out, cure);
   std::ostringstream result;  // a refused path leaves an earlier file alone
-  const int exit_code = run_point(options.law, options.path, result, std::cerr);
-  if (exit_code != kDone) return exit_code;
-  if (!(std::ofstream(options.out) << result.str() << std::flush))
-    throw std::runtime_error("cannot write " + options.out.string());
-  return kDone;
+  const int exit_code = run_point(options.law, options.path, result, std::cerr, options.overrides);
+  if (exit_code == kDone) write_new_file(options.out, result.str(), options.overwrite, cure);
+  return exit_code;
 }
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
@@ -142,11 +147,16 @@ CLI::App* add_check(CLI::App& app, CheckOptions& options) {
 CLI::App* add_point(CLI::App& app, PointOptions& options) {
   auto* point = app.add_subcommand("point", "drive one material point along a path of deformation gradients");
   point->add_option("law", options.law, "file with the `law` block of a layer (YAML)")->required()->type_name("LAW");
-  point->add_option("--path", options.path, "columns F11,F12,F21,F22 (CSV)")->required()->type_name("PATH");
-  point->add_option("-o,--out", options.out, "write the result here instead of to the terminal (CSV)")
+  point->add_option("--path", options.path, "columns F11,F12,F21,F22, or strain of a j2 law (CSV)")
+      ->required()
+      ->type_name("PATH");
+  add_repeatable(*point, "--set", options.overrides, "override any key of the law; may be repeated", "PATH=VALUE");
+  point->add_option("-o,--out", options.out, "write the response here instead of to the terminal (CSV)")
       ->type_name("FILE");
-  point->footer(R"(example:
-  interply point law.yaml --path path.csv -o stress.csv
+  point->add_flag("--overwrite", options.overwrite, "replace that file if it is there");
+  point->footer(std::string(kPointColumns) + R"(
+example:
+  interply point law.yaml --path path.csv --set woven.variant=biaxial -o stress.csv
 )");
   return point;
 }

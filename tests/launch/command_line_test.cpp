@@ -149,8 +149,26 @@ TEST(CommandLine, ARefusedPathLeavesAnEarlierResultOfPointAlone) {
   EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", folder + "/out.csv"}).exit_code, kDone);
   const std::string result = read();
   EXPECT_THAT(result, HasSubstr("\n1.01,0,0,1,1.0201,1,0,"));
-  EXPECT_EQ(say({"point", law, "--path", folder + "/bad.csv", "-o", folder + "/out.csv"}).exit_code, kRefused);
+  for (const char* path : {"/bad.csv", "/good.csv"}) {
+    const auto said = say({"point", law, "--path", folder + path, "-o", folder + "/out.csv"});
+    EXPECT_EQ(said.exit_code, kRefused);
+    EXPECT_EQ(said.error, "interply: " + folder +
+                              "/out.csv is there already and stays as it is; give another -o, or say --overwrite\n");
+    EXPECT_EQ(read(), result);
+  }
+  const std::vector<std::string> overwrite{"point", law, "-o", folder + "/out.csv", "--overwrite", "--path"};
+  const auto with_path = [&](const char* name) {
+    auto words = overwrite;
+    words.push_back(folder + name);
+    return words;
+  };
+  EXPECT_EQ(say(with_path("/bad.csv")).exit_code, kRefused);
   EXPECT_EQ(read(), result);
+  std::ofstream(folder + "/good.csv") << "F11,F12,F21,F22\n1.02,0,0,1\n";
+  EXPECT_EQ(say(with_path("/good.csv")).exit_code, kDone);
+  EXPECT_THAT(read(), HasSubstr("\n1.02,0,0,1,1.0404,1,0,"));
+  EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", "/dev/null"}).exit_code, kDone) << "no file";
+  EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", folder + "/none/x.csv"}).exit_code, kFailed);
   std::filesystem::remove_all(folder);
 }
 
