@@ -157,8 +157,7 @@ std::vector<const bench::Carrier*> select_carriers(const std::vector<std::string
   for (const auto& carrier : bench::list_carriers()) known.push_back(carrier.name);
   for (const auto& name : names)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw BadArgument(fmt::format("--carriers: there is no carrier \"{}\"; did you mean \"{}\"?", name,
-                                    find_nearest_name(name, known)));
+      throw BadArgument(fmt::format("--carriers: there is no carrier \"{}\"{}", name, propose(name, known, "\"")));
   for (const auto& carrier : bench::list_carriers())
     if (names.empty() || std::find(names.begin(), names.end(), carrier.name) != names.end())
       selected.push_back(&carrier);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -12,9 +11,10 @@
 #include "launch/bench_command.hpp"
 #include "launch/check.hpp"
 #include "launch/init.hpp"
+#include "launch/new_file.hpp"
 #include "launch/point.hpp"
 #include "launch/run.hpp"
-#include "process/words.hpp"
+#include "process/nearest.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/reference.hpp"
 
@@ -33,9 +33,16 @@ constexpr const char* kFooter = R"(exit codes:
 
 std::vector<std::string> list_options(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const auto* option : app.get_options()) {
+  for (const auto* option : app.get_options())
     for (const auto& name : option->get_lnames()) names.push_back("--" + name);
-  }
+  return names;
+}
+
+/// All but those that only interply itself uses.
+std::vector<std::string> list_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands(nullptr))
+    if (!command->get_group().empty()) names.push_back(command->get_name());
   return names;
 }
 
@@ -46,22 +53,15 @@ int refuse(const std::string& sentence) {
 
 /// A word that names no command, or nothing; then of the command's own commands, if it has some.
 std::string find_unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2) return "";
-  if (const std::string word = argv[1]; word.starts_with("-")) {
-    const auto options = list_options(app);
-    const std::string name = word.substr(0, word.find('='));
-    const bool known = !word.starts_with("--") || std::find(options.begin(), options.end(), name) != options.end();
-    if (known || app.get_subcommands(nullptr).empty() || app.get_parent() != nullptr) return "";
-    return "there is no option " + name + "; did you mean " + find_nearest_name(name, options) + "?";
+  if (argc < 2 || app.get_subcommands(nullptr).empty()) return "";
+  const std::string word = argv[1];
+  if (word.starts_with("-")) {
+    if (app.get_parent() || app.get_option_no_throw(word.substr(0, word.find('=')))) return "";
+    return "there is no option " + word.substr(0, word.find('=')) + propose(word, list_options(app));
   }
-  std::vector<std::string> names;
-  for (const auto* command : app.get_subcommands(nullptr)) {
-    names.push_back(command->get_name());
-    if (names.back() == argv[1]) return find_unknown_command(*command, argc - 1, argv + 1);
-  }
-  if (names.empty()) return "";
-  return "there is no command \"" + std::string(argv[1]) + "\"; did you mean \"" + find_nearest_name(argv[1], names) +
-         "\"?";
+  for (const auto* command : app.get_subcommands(nullptr))
+    if (command->get_name() == word) return find_unknown_command(*command, argc - 1, argv + 1);
+  return "there is no command \"" + word + "\"" + propose(word, list_commands(app), "\"");
 }
 
 /// What a command was given and does not know, or nothing.
@@ -71,34 +71,47 @@ std::string find_unknown_word(const CLI::App& command) {
   const auto option = std::find_if(words.begin(), words.end(), [](const auto& w) { return w.starts_with("-"); });
   if (option == words.end()) return command.get_name() + " takes no further argument \"" + words.front() + "\"";
   const std::string name = option->substr(0, option->find('='));
-  return command.get_name() + " has no option " + name + "; did you mean " +
-         find_nearest_name(name, list_options(command)) + "?";
+  return command.get_name() + " has no option " + name + propose(name, list_options(command));
+}
+
+/// The same of the command that was parsed and of its own command.
+std::string find_unknown_words(const CLI::App& app) {
+  for (const auto* command : app.get_subcommands()) {
+    if (const auto problem = find_unknown_word(*command); !problem.empty()) return problem;
+    if (const auto problem = find_unknown_words(*command); !problem.empty()) return problem;
+  }
+  return "";
+}
+
+template <class Values>
+void add_repeatable(CLI::App& command, const char* name, Values& values, const char* help, const char* type) {
+  command.add_option(name, values, help)->type_name(type)->expected(1)->take_all()->allow_extra_args(false);
 }
 
 /// @param options  of a command that takes a scene
 template <class Options>
 void add_scene_arguments(CLI::App& command, Options& options) {
   command.add_option("scene", options.scene, "scene file (YAML)")->required()->type_name("SCENE");
-  const auto add_repeatable = [&](const char* name, auto& values, const char* help, const char* type) {
-    command.add_option(name, values, help)->type_name(type)->expected(1)->take_all()->allow_extra_args(false);
-  };
-  add_repeatable("--with", options.overlays, "lay a file with part of a scene over it; may be repeated", "FILE");
-  add_repeatable("--set", options.overrides, "override any key of the scene, after that; may be repeated",
+  add_repeatable(command, "--with", options.overlays, "lay a file with part of a scene over it; may be repeated",
+                 "FILE");
+  add_repeatable(command, "--set", options.overrides, "override any key of the scene, after that; may be repeated",
                  "PATH=VALUE");
 }
 
 struct PointOptions {
   std::filesystem::path law, path, out;
+  std::vector<std::string> overrides;
+  bool overwrite = false;
 };
 
 int point_command(const PointOptions& options) {
-  if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr);
+  if (options.out.empty()) return run_point(options.law, options.path, std::cout, std::cerr, options.overrides);
+  const char* cure = "give another -o, or say --overwrite";
+  if (!options.overwrite) check_is_new(options.out, cure);
   std::ostringstream result;  // a refused path leaves an earlier file alone
-  const int exit_code = run_point(options.law, options.path, result, std::cerr);
-  if (exit_code != kDone) return exit_code;
-  if (!(std::ofstream(options.out) << result.str() << std::flush))
-    throw std::runtime_error("cannot write " + options.out.string());
-  return kDone;
+  const int exit_code = run_point(options.law, options.path, result, std::cerr, options.overrides);
+  if (exit_code == kDone) write_new_file(options.out, result.str(), options.overwrite, cure);
+  return exit_code;
 }
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
@@ -135,11 +148,16 @@ CLI::App* add_check(CLI::App& app, CheckOptions& options) {
 CLI::App* add_point(CLI::App& app, PointOptions& options) {
   auto* point = app.add_subcommand("point", "drive one material point along a path of deformation gradients");
   point->add_option("law", options.law, "file with the `law` block of a layer (YAML)")->required()->type_name("LAW");
-  point->add_option("--path", options.path, "columns F11,F12,F21,F22 (CSV)")->required()->type_name("PATH");
-  point->add_option("-o,--out", options.out, "write the result here instead of to the terminal (CSV)")
+  point->add_option("--path", options.path, "columns F11,F12,F21,F22, or strain of a j2 law (CSV)")
+      ->required()
+      ->type_name("PATH");
+  add_repeatable(*point, "--set", options.overrides, "override any key of the law; may be repeated", "PATH=VALUE");
+  point->add_option("-o,--out", options.out, "write the response here instead of to the terminal (CSV)")
       ->type_name("FILE");
-  point->footer(R"(example:
-  interply point law.yaml --path path.csv -o stress.csv
+  point->add_flag("--overwrite", options.overwrite, "replace that file if it is there");
+  point->footer(std::string(kPointColumns) + R"(
+example:
+  interply point law.yaml --path path.csv --set woven.variant=biaxial -o stress.csv
 )");
   return point;
 }
@@ -175,11 +193,12 @@ CLI::App* add_schema(CLI::App& app, std::string& path) {
 
 }  // namespace
 
-std::string find_nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
-  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return process::count_edits(word, a) < process::count_edits(word, b);
-  });
-  return nearest == candidates.end() ? "" : *nearest;
+std::string propose(const std::string& word, const std::vector<std::string>& names, const std::string& quote) {
+  if (const auto nearest = process::find_nearest(word, names); !nearest.empty())
+    return "; did you mean " + quote + nearest + quote + "?";
+  std::string known;
+  for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
+  return "; known: " + known;
 }
 
 int run_command_line(int argc, char** argv) {
@@ -209,12 +228,11 @@ int run_command_line(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // help or version
+    if (const auto problem = find_unknown_words(app); !problem.empty()) return refuse(problem);
     return refuse(std::string(e.what()) + " (see --help)");
   }
+  if (const auto problem = find_unknown_words(app); !problem.empty()) return refuse(problem);
   const auto* command = app.get_subcommands().front();
-  if (const auto problem = find_unknown_word(*command); !problem.empty()) return refuse(problem);
-  for (const auto* part : command->get_subcommands())
-    if (const auto problem = find_unknown_word(*part); !problem.empty()) return refuse(problem);
   try {
     if (command == run) return run_command(run_options);
     if (command == check) return check_command(check_options, std::cout);

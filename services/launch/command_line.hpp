@@ -13,9 +13,8 @@ class BadArgument : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The candidate that takes the fewest insertions, deletions and replacements of a letter to become `word`; empty if
-/// there are none.
-std::string find_nearest_name(const std::string& word, const std::vector<std::string>& candidates);
+/// "; did you mean --set?" if one of the names is near to `word` (process/nearest.hpp), else "; known: --with, --set".
+std::string propose(const std::string& word, const std::vector<std::string>& names, const std::string& quote = "");
 
 /// Parses and runs one `interply` command (`interply --help` lists them). Returns the exit code; never throws.
 int run_command_line(int argc, char** argv);

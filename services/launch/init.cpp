@@ -1,20 +1,16 @@
 #include "launch/init.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <ostream>
-#include <stdexcept>
 #include <string_view>
 
 #include "launch/command_line.hpp"
+#include "launch/new_file.hpp"
 #include "launch/run.hpp"
 
 namespace interply::launch {
@@ -31,18 +27,6 @@ std::string fill_in(std::string_view text, const std::string& name) {
   return filled;
 }
 
-/// @throws BadArgument if there is such a file
-void write_new_file(const std::filesystem::path& file, const std::string& text) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor < 0 && errno == EEXIST)
-    throw BadArgument(fmt::format("{} is there already and stays as it is; give another name", file.string()));
-  const bool written =
-      descriptor >= 0 && ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  const int error = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!written) throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
-}
-
 }  // namespace
 
 int init_command(const InitOptions& options, std::ostream& out) {
@@ -54,7 +38,7 @@ int init_command(const InitOptions& options, std::ostream& out) {
   if (name.empty() || !plain)
     throw BadArgument(fmt::format("\"{}\" cannot name a scene; use letters, digits, '_' and '-'", options.name));
   file += ".yaml";
-  write_new_file(file, fill_in(kTemplates[static_cast<std::size_t>(options.kind)], name));
+  write_new_file(file, fill_in(kTemplates[static_cast<std::size_t>(options.kind)], name), false, "give another name");
   out << fmt::format("wrote {}\n  interply check {}   what it would cost\n  interply run {}     forms it\n",
                      file.string(), file.string(), file.string());
   return kDone;

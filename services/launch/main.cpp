@@ -1,3 +1,8 @@
+#include <csignal>
+
 #include "launch/command_line.hpp"
 
-int main(int argc, char** argv) { return interply::launch::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond a limit on the size of files says so
+  return interply::launch::run_command_line(argc, argv);
+}

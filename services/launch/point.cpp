@@ -27,6 +27,34 @@
 
 namespace interply::launch {
 
+const char* const kPointColumns =
+    R"(Both files are CSV with a header row; the response has one row per row of the path. Numbers without unit are ratios.
+
+path of woven and vumat, in any order:
+  F11,F12,F21,F22      in-plane deformation gradient: column 1 is where a unit of warp (or rolling direction) goes,
+                       column 2 the same of the direction across it
+path of j2:
+  strain               true (logarithmic) strain along a bar whose sides are free, in the rolling direction
+
+response of woven:
+  F11,F12,F21,F22      of the path
+  I4,I8                squared stretches of warp and weft
+  gamma_rad            shear angle: 90 degrees less the angle from warp to weft
+  W_MPa                strain energy per reference volume
+  S11_MPa,S22_MPa,S12_MPa   second Piola-Kirchhoff stress: warp, weft, shear
+  min_eig_hessian_MPa  of W in the stretches of warp and weft and gamma; negative: the law is not convex there
+response of j2:
+  strain               of the path
+  stress_MPa           Cauchy stress along the bar
+  plastic_strain       equivalent plastic strain
+  width_strain,thickness_strain   true strains across the bar and through its thickness
+response of vumat, one second per row, along straight lines from F = 1:
+  F11,F12,F21,F22      of the path
+  F33                  thickness stretch
+  sigma11_MPa,sigma22_MPa,sigma12_MPa   Cauchy stress in the polar frame of the warp (or rolling) direction
+  state_1,state_2,...  state variables, in their own units
+)";
+
 namespace {
 
 constexpr double kPointDensity = 1e-9;    ///< t/mm3, of a point with a law of the user's own
@@ -222,9 +250,9 @@ std::string follow_path(const scene::Law& law, const std::string& csv, const std
 }
 
 int run_point(const std::filesystem::path& law, const std::filesystem::path& path_csv, std::ostream& out,
-              std::ostream& err) {
+              std::ostream& err, const std::vector<std::string>& overrides) {
   try {
-    const scene::Law read = scene::read_law(law);
+    const scene::Law read = scene::read_law(law, overrides);
     if (const auto* own = std::get_if<scene::VumatLaw>(&read))
       for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity))
         err << "warning: " << warning << '\n';

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "process/nearest.hpp"
 #include "process/words.hpp"
 
 namespace interply::process {
@@ -27,8 +29,14 @@ inline std::optional<int> read_arguments(CLI::App& app, const std::string& versi
     if (e.get_exit_code() == 0) return app.exit(e);
     wrong = e.what();
   }
-  for (const std::string& word : app.remaining())
-    if (word.starts_with("-")) return refuse("there is no option " + word.substr(0, word.find('=')));
+  std::vector<std::string> options;
+  for (const auto* option : app.get_options())
+    for (const auto& name : option->get_lnames()) options.push_back("--" + name);
+  for (const std::string& word : app.remaining()) {
+    if (!word.starts_with("-")) continue;
+    const std::string option = word.substr(0, word.find('=')), nearest = find_nearest(option, options);
+    return refuse("there is no option " + option + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  }
   if (!app.remaining().empty()) wrong = "takes no further argument " + app.remaining().front();
   return wrong ? std::optional(refuse(*wrong)) : std::nullopt;
 }

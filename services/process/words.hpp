@@ -10,7 +10,7 @@ namespace interply::process {
 /// are written as \x1b. Anything longer than `most` bytes is cut and ends in "...".
 std::string to_line(std::string_view text, std::size_t most = std::string_view::npos);
 
-/// Levenshtein distance: insertions, deletions and substitutions of characters that make one of the other.
+/// Insertions, deletions, substitutions and exchanges of neighbouring characters that make one of the other.
 std::size_t count_edits(std::string_view a, std::string_view b);
 
 /// Of this machine, as it calls itself.

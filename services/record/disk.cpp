@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cerrno>
+
 namespace interply::record {
 
 namespace fs = std::filesystem;
@@ -23,12 +25,10 @@ bool means_full(const std::error_code& error) {
 std::string describe_full_disk(const fs::path& file, const std::error_code& error, std::uint64_t needed) {
   constexpr double kMebibyte = 1 << 20;
   const auto free = find_free_space(file);
-  return fmt::format(
-      "cannot write {}: {}; the record takes {:.1f} MiB in all{}: ask for fewer frames (record.frames), or give "
-      "another "
-      "folder (--out)",
-      file.string(), error.message(), static_cast<double>(needed) / kMebibyte,
-      free ? fmt::format(" and {:.1f} MiB are free there", static_cast<double>(*free) / kMebibyte) : "");
+  return fmt::format("cannot write {}: {}; the record takes {:.1f} MiB in all{}: {}", file.string(), error.message(),
+                     static_cast<double>(needed) / kMebibyte,
+                     free ? fmt::format(" and {:.1f} MiB are free there", static_cast<double>(*free) / kMebibyte) : "",
+                     "ask for fewer frames (record.frames), or give another folder (--out)");
 }
 
 }  // namespace interply::record

@@ -74,22 +74,30 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   return parse_scene(read_text(file), file.string(), overrides, overlays);
 }
 
-Law read_law(const std::filesystem::path& file) { return parse_law(read_text(file), file.string()); }
+Law read_law(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return parse_law(read_text(file), file.string(), overrides);
+}
 
-Law parse_law(const std::string& text, const std::string& origin) {
+Law parse_law(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides) {
   Report report;
+  const std::filesystem::path folder = std::filesystem::path(origin).parent_path();
   Value root = parse_yaml(text, origin, report);
   drop_anchors(root);
   const bool wrapped = root.keys.size() == 1 && root.keys[0] == "law";
+  Value& block = wrapped ? root.items[0] : root;
+  const std::string path = wrapped ? "law" : "";
 
-  include_law(wrapped ? root.items[0] : root, std::filesystem::path(origin).parent_path(), wrapped ? "law" : "",
-              report);
+  include_law(block, folder, path, report);
+  for (const std::string& override : overrides) {
+    apply_override(block, override, report);
+    include_law(block, folder, path, report);
+  }
 
   schema::Law message;
-  read_message(wrapped ? root.items[0] : root, wrapped ? "law" : "", message, report);
+  read_message(block, path, message, report);
   Law law = to_law(message);
-  resolve_law(law, std::filesystem::path(origin).parent_path(), wrapped ? "law" : "", report);
-  check_law(law, wrapped ? "law" : "", report);
+  resolve_law(law, folder, path, report);
+  check_law(law, path, report);
   report.throw_if_any();
   return law;
 }

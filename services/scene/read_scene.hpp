@@ -30,11 +30,12 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 Scene parse_scene(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides = {},
                   const std::vector<std::filesystem::path>& overlays = {});
 
-/// Reads a file that holds exactly the `law` block of a scene's layer. @throws SceneError
-Law read_law(const std::filesystem::path& file);
+/// Reads a file that holds exactly the `law` block of a scene's layer.
+/// @param overrides  "path=value", path from the law: woven.variant=biaxial   @throws SceneError
+Law read_law(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same from text; `origin` stands for the file name in messages. @throws SceneError
-Law parse_law(const std::string& text, const std::string& origin);
+Law parse_law(const std::string& text, const std::string& origin, const std::vector<std::string>& overrides = {});
 
 /// Warnings about a checked scene, one sentence each: an indefinite law, a mesh across the fibres, values that look
 /// like another unit.

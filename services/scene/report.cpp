@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "process/nearest.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 
@@ -53,14 +54,8 @@ std::string join(const std::string& path, std::size_t index) { return path + "["
 
 std::string suggest(const std::string& word, const std::vector<std::string>& names) {
   if (names.empty()) return "";
-  if (word.size() > 100) return "; known: " + enumerate(names);
-  const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
-    return process::count_edits(word, a) < process::count_edits(word, b);
-  });
-  const std::size_t allowed = std::max<std::size_t>(2, nearest->size() / 3);
-  const std::size_t distance = process::count_edits(word, *nearest);
-  if (distance > 0 && distance <= allowed && distance < nearest->size()) return "; did you mean '" + *nearest + "'?";
-  return "; known: " + enumerate(names);
+  const std::string nearest = process::find_nearest(word, names);
+  return nearest.empty() ? "; known: " + enumerate(names) : "; did you mean '" + nearest + "'?";
 }
 
 std::string enumerate(const std::vector<std::string>& names) {

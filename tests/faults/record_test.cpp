@@ -1,6 +1,8 @@
 /// The record is part of the run: whoever pauses, however slow the disk, every frame is kept, or the run says why not.
 #include <gmock/gmock.h>
 
+#include <sys/resource.h>
+
 #include <cstdlib>
 #include <thread>
 
@@ -154,8 +156,31 @@ TEST_F(RecordOfARun, OnAFullDiskEndsTheRunAndSaysSo) {
     const Setting preload("LD_PRELOAD", INTERPLY_SLOW_DISK), room("SLOW_DISK_WRITES", "3000");
     Program program = start(name, settings);
     EXPECT_EQ(program.wait(), 1) << program.said();
-    EXPECT_THAT(program.said(), HasSubstr("No space left on device"));
+    EXPECT_THAT(program.said(),
+                AllOf(HasSubstr("cannot write " + (folder_.path() / name / "record.h5").string() + ": No space left"),
+                      testing::ContainsRegex("the record takes [0-9.]+ MiB in all and [0-9.]+ MiB are free there"),
+                      HasSubstr("record.frames"), HasSubstr("--out")));
     EXPECT_GE(record::RecordReader(folder_.path() / name / "record.h5").frames_complete(), 2);
+  }
+}
+
+/// The record does not fit: nothing is formed, and nothing of it stays.
+TEST_F(RecordOfARun, BeyondALimitOnFileSizesEndsTheRunBeforeItsFirstStep) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  for (const bool in_process : {false, true}) {
+    const std::string name = in_process ? "one" : "many";
+    std::vector<std::string> settings{"record.frames=300"};
+    if (in_process) settings.push_back("--in-process");
+    const rlimit limit{1 << 20, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    Program program = start(name, settings);
+    const int exit_code = program.wait();
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(exit_code, 1) << program.said();
+    EXPECT_THAT(program.said(), AllOf(HasSubstr("File too large; the record takes"), HasSubstr("record.frames")));
+    for (const char* file : {"record.h5", "record.h5.partial", "record.xdmf", "record.xdmf.partial"})
+      EXPECT_FALSE(fs::exists(folder_.path() / name / file)) << file;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "launch/run.hpp"
 #include "paths.hpp"
@@ -49,17 +50,45 @@ TEST(CommandLine, HelpOfEachCommandShowsAnExample) {
   }
 }
 
-TEST(CommandLine, UnknownCommandNamesTheNearestOne) {
-  const auto said = say({"chekc", "scene.yaml"});
-  EXPECT_EQ(said.exit_code, kRefused);
-  EXPECT_EQ(said.error, "interply: there is no command \"chekc\"; did you mean \"check\"?\n");
-}
-
-TEST(CommandLine, UnknownOptionNamesTheNearestOne) {
-  const auto said = say({"run", "scene.yaml", "--overwrit"});
-  EXPECT_EQ(said.exit_code, kRefused);
-  EXPECT_EQ(said.error, "interply: run has no option --overwrit; did you mean --overwrite?\n");
-  EXPECT_EQ(say({"--versoin"}).error, "interply: there is no option --versoin; did you mean --version?\n");
+/// A name that is near is proposed, and nothing that is not: then the names are listed.
+TEST(CommandLine, UnknownWordsAreRefusedWithWhatWasMeant) {
+  const std::string commands = "known: run, check, init, schema, point, bench";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refusals{
+      {{"chekc", "scene.yaml"}, "there is no command \"chekc\"; did you mean \"check\"?"},
+      {{"rnu"}, "there is no command \"rnu\"; did you mean \"run\"?"},
+      {{"scheme"}, "there is no command \"scheme\"; did you mean \"schema\"?"},
+      {{"simulate"}, "there is no command \"simulate\"; " + commands},
+      {{"hub"}, "there is no command \"hub\"; " + commands},
+      {{"bench", "foo"}, "there is no command \"foo\"; known: exchange, stack"},
+      {{"bench", "stak"}, "there is no command \"stak\"; did you mean \"stack\"?"},
+      {{"bench", "hib"}, "there is no command \"hib\"; known: exchange, stack"},  // hub is none of a person's
+      {{"bench", "--fast"}, "bench has no option --fast; known: --help"},
+      {{"bench", "exchange", "--node", "7"}, "exchange has no option --node; did you mean --nodes?"},
+      {{"--versoin"}, "there is no option --versoin; did you mean --version?"},
+      {{"--bogus"}, "there is no option --bogus; known: --help, --version"},
+      {{"--bogus=3", "run"}, "there is no option --bogus; known: --help, --version"},
+      {{"-x"}, "there is no option -x; known: --help, --version"},
+      {{"run", "scene.yaml", "--overwrit"}, "run has no option --overwrit; did you mean --overwrite?"},
+      {{"run", "scene.yaml", "--over"}, "run has no option --over; did you mean --overwrite?"},
+      {{"run", "scene.yaml", "--inprocess"}, "run has no option --inprocess; did you mean --in-process?"},
+      {{"run", "scene.yaml", "-out", "x"}, "run has no option -out; did you mean --out?"},
+      {{"run", "scene.yaml", "--adress=shm"}, "run has no option --adress; did you mean --address?"},
+      {{"run", "--quite"}, "run has no option --quite; did you mean --quiet?"},  // before what is missing
+      {{"run", "scene.yaml", "--threads", "3"},
+       "run has no option --threads; known: --help, --with, --set, --out, --overwrite, --in-process, --address, "
+       "--no-record, --quiet"},
+      {{"check", "scene.yaml", "--sett", "a=1"}, "check has no option --sett; did you mean --set?"},
+      {{"init", "cup", "--flm"}, "init has no option --flm; did you mean --fml?"},
+      {{"schema", "--all"}, "schema has no option --all; known: --help"},
+      {{"point", "law.yaml", "--pth", "a.csv"}, "point has no option --pth; did you mean --path?"},
+  };
+  for (const auto& [words, sentence] : refusals) {
+    const auto said = say(words);
+    EXPECT_EQ(said.exit_code, kRefused) << sentence;
+    EXPECT_EQ(said.error, "interply: " + sentence + "\n");
+  }
+  EXPECT_THAT(say({"check", "scene.yaml", "--verbose"}).error,
+              HasSubstr("check has no option --verbose; known: --help"));
 }
 
 TEST(CommandLine, SurplusAndMissingArgumentsAreRefused) {
@@ -120,14 +149,27 @@ TEST(CommandLine, ARefusedPathLeavesAnEarlierResultOfPointAlone) {
   EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", folder + "/out.csv"}).exit_code, kDone);
   const std::string result = read();
   EXPECT_THAT(result, HasSubstr("\n1.01,0,0,1,1.0201,1,0,"));
-  EXPECT_EQ(say({"point", law, "--path", folder + "/bad.csv", "-o", folder + "/out.csv"}).exit_code, kRefused);
+  for (const char* path : {"/bad.csv", "/good.csv"}) {
+    const auto said = say({"point", law, "--path", folder + path, "-o", folder + "/out.csv"});
+    EXPECT_EQ(said.exit_code, kRefused);
+    EXPECT_EQ(said.error, "interply: " + folder +
+                              "/out.csv is there already and stays as it is; give another -o, or say --overwrite\n");
+    EXPECT_EQ(read(), result);
+  }
+  const std::vector<std::string> overwrite{"point", law, "-o", folder + "/out.csv", "--overwrite", "--path"};
+  const auto with_path = [&](const char* name) {
+    auto words = overwrite;
+    words.push_back(folder + name);
+    return words;
+  };
+  EXPECT_EQ(say(with_path("/bad.csv")).exit_code, kRefused);
   EXPECT_EQ(read(), result);
+  std::ofstream(folder + "/good.csv") << "F11,F12,F21,F22\n1.02,0,0,1\n";
+  EXPECT_EQ(say(with_path("/good.csv")).exit_code, kDone);
+  EXPECT_THAT(read(), HasSubstr("\n1.02,0,0,1,1.0404,1,0,"));
+  EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", "/dev/null"}).exit_code, kDone) << "no file";
+  EXPECT_EQ(say({"point", law, "--path", folder + "/good.csv", "-o", folder + "/none/x.csv"}).exit_code, kFailed);
   std::filesystem::remove_all(folder);
-}
-
-TEST(NearestName, TakesTheFewestEdits) {
-  EXPECT_EQ(find_nearest_name("rnu", {"check", "run", "point"}), "run");
-  EXPECT_EQ(find_nearest_name("x", {}), "");
 }
 
 }  // namespace

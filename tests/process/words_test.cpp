@@ -27,12 +27,14 @@ TEST(ToLine, IsCutToALength) {
   EXPECT_EQ(to_line("abc", 3), "abc");
 }
 
-TEST(CountEdits, IsTheFewestInsertionsDeletionsAndSubstitutions) {
+TEST(CountEdits, IsTheFewestInsertionsDeletionsSubstitutionsAndExchanges) {
   EXPECT_EQ(count_edits("", "ply"), 3u);
   EXPECT_EQ(count_edits("ply_1", "ply_1"), 0u);
   EXPECT_EQ(count_edits("ply1", "ply_1"), 1u);
   EXPECT_EQ(count_edits("kitten", "sitting"), 3u);
   EXPECT_EQ(count_edits("sitting", "kitten"), 3u);
+  EXPECT_EQ(count_edits("rnu", "run"), 1u);
+  EXPECT_EQ(count_edits("hcekc", "check"), 2u);
 }
 
 }  // namespace

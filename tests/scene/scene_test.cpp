@@ -324,7 +324,7 @@ TEST(Warnings, ValueInAnotherUnitIsNamedWithTheUnit) {
   EXPECT_THAT(warn("layers.sheet.law.j2.hardening={swift: {K: 5.3e8}}"), HasSubstr("; in Pa it would be 530 MPa"));
   EXPECT_THAT(warn("layers.ply_1.law.woven.a=5.5e9"), HasSubstr("; in Pa it would be 5500 MPa"));
   EXPECT_THAT(warn("layers.ply_1.law.woven.s=[1.7e5, 0, 0]"), HasSubstr("; in Pa it would be 0.17 MPa"));
-  EXPECT_THAT(warn("layers.sheet.thickness=1000"), HasSubstr("; in um it would be 1 mm"));
+  EXPECT_THAT(warn("layers.sheet.thickness=0.002"), HasSubstr("; in m it would be 2 mm"));
   EXPECT_THAT(warn("tools.blank_holder.pressure=2e6"), HasSubstr("; in Pa it would be 2 MPa"));
   EXPECT_THAT(warn("tools.blank_holder.ramp=1"), HasSubstr("; in ms it would be 0.001 s"));
   EXPECT_THAT(warn("motion.forming_time=15"), HasSubstr("; in ms it would be 0.015 s"));

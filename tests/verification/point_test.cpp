@@ -11,6 +11,7 @@
 
 #include "solver_fabric/material_point.hpp"
 #include "support/fabric_cases.hpp"
+#include "support/vumat_laws.hpp"
 
 namespace interply {
 namespace {
@@ -40,11 +41,11 @@ class Point : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  Outcome run(const std::string& law, const std::string& path) {
+  Outcome run(const std::string& law, const std::string& path, const std::vector<std::string>& overrides = {}) {
     std::ofstream(folder_ / "law.yaml") << law;
     std::ofstream(folder_ / "path.csv", std::ios::binary) << path;
     std::ostringstream out, err;
-    const int code = launch::run_point(folder_ / "law.yaml", folder_ / "path.csv", out, err);
+    const int code = launch::run_point(folder_ / "law.yaml", folder_ / "path.csv", out, err, overrides);
     return {code, out.str(), err.str()};
   }
 
@@ -163,6 +164,37 @@ TEST_F(Point, MissingPathAndBadLawAreRefused) {
   EXPECT_EQ(o.code, 2);
   EXPECT_THAT(o.err, AllOf(HasSubstr("p_min"), HasSubstr("1.4"), HasSubstr("law.yaml")));
   EXPECT_THAT(o.out, IsEmpty());
+}
+
+/// --set means what the same words in the file mean.
+TEST_F(Point, OverridesKeysOfTheLaw) {
+  const std::string path = "F11,F12,F21,F22\n1.02,0.1,0,0.99\n";
+  std::string biaxial = kLopsided;
+  biaxial.replace(biaxial.find("full"), 4, "biaxial");
+  const Outcome written = run(biaxial, path), set = run(kLopsided, path, {"woven.variant=biaxial"});
+  EXPECT_EQ(set.code, 0) << set.err;
+  EXPECT_EQ(set.out, written.out);
+  EXPECT_NE(set.out, run(kLopsided, path).out);
+  const std::string unwrapped = std::string(kLopsided).substr(5);  // without `law: `
+  EXPECT_EQ(run(unwrapped, path, {"woven.variant=full", "woven.variant=biaxial"}).out, written.out);
+  const Outcome refused = run(kLopsided, path, {"woven.varant=biaxial"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_EQ(refused.err, "--set woven.varant=biaxial: law.woven.varant: unknown key; did you mean 'variant'?\n");
+  EXPECT_THAT(run(kLopsided, path, {"woven.p_min=1.4"}).err, HasSubstr("p_min"));
+  EXPECT_THAT(run(kLopsided, path, {"woven"}).err, HasSubstr("is not of the form path=value"));
+}
+
+/// `interply point --help` explains every column of every law, and of its path.
+TEST_F(Point, ColumnsAreDocumented) {
+  const auto header = [](const std::string& csv) { return csv.substr(0, csv.find('\n')); };
+  const std::string vumat = header(launch::follow_path(test::make_vumat("woven", std::vector<double>(21, 1.0), 1),
+                                                       "F11,F12,F21,F22\n1,0,0,1\n", "path.csv"));
+  for (const std::string& names :
+       {header(run(kLopsided, "F11,F12,F21,F22\n1,0,0,1\n").out), header(run(kSteel, "strain\n0\n").out), vumat}) {
+    std::istringstream cells(names);
+    for (std::string cell; std::getline(cells, cell, ',');)
+      EXPECT_THAT(launch::kPointColumns, testing::ContainsRegex("[ ,]" + cell + "[ ,]"));
+  }
 }
 
 TEST_F(Point, FollowsAMetalBarAlongItsTrueStrain) {
