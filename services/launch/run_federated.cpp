@@ -22,13 +22,14 @@ std::vector<Participant> list_others(const scene::Scene& scene, const RunFolder&
   std::vector<Participant> others;
   if (scene.record.frames > 0) {
     others.push_back({"recorder",
-                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out, "--folder-taken", "--silence",
-                       silence},
+                      {programs / "interply-recorder", "--connect", bound, "--out", folder.out, "--folder-taken",
+                       "--silence", silence},
                       folder.lock.descriptor()});
   }
   for (const auto& layer : scene.layers) {
     const auto* program = layer.kind() == scene::Kind::Fabric ? "interply-solver-fabric" : "interply-solver-metal";
-    others.push_back({layer.name, {programs / program, "--connect", bound, "--layer", layer.name, "--silence", silence}});
+    others.push_back(
+        {layer.name, {programs / program, "--connect", bound, "--layer", layer.name, "--silence", silence}});
   }
   return others;
 }
@@ -42,7 +43,7 @@ RunResult run_federated(const scene::Scene& scene, const RunFolder& folder, cons
   plan.coordinator = {"coordinator",
                       {find_program_folder() / "interply-coordinator", "--bind",
                        is_private ? make_private_address(address, run_name) : address, "--scene", folder.scene(),
-                       "--scene-digest", mechanics::to_hex(scene.digest), "--run", run_name}};
+                       "--scene-digest", mechanics::to_hex(scene.digest), "--run", run_name, "--for-launcher"}};
   plan.others = [&](const std::string& bound) { return list_others(scene, folder, bound); };
   plan.logs = folder.logs();
   plan.startup_deadline = scene.exchange.startup_deadline;
