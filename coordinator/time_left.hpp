@@ -19,7 +19,7 @@ class TimeLeft {
       start_->wall += step;  // somebody was waited for, or all were stopped: nobody formed meanwhile
       usual_step_ *= 2;      // steps that have become so slow are believed after a few
     } else if (noted_ > 0) {
-      usual_step_ += kMemory * (step - usual_step_);
+      usual_step_ += (noted_ == 1 ? 1 : kMemory) * (step - usual_step_);
     }
     ++noted_;
     latest_ = {time, wall};

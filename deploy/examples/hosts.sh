@@ -26,7 +26,7 @@ set -m  # a process group for each: Ctrl-C is for this script, which asks the co
 "${bin}interply-coordinator" --bind "$address" --scene "$scene" --run "$(basename "$out")" >"$logs/coordinator.log" 2>&1 &
 coordinator=$!
 trap 'kill -INT $coordinator' INT TERM HUP
-until grep -q '^start ' "$logs/coordinator.log"; do  # it says where it listens, and which solver each layer needs
+until grep -q '^start ' "$logs/coordinator.log" 2>/dev/null; do  # where it listens, and what each layer needs
   if ! kill -0 $coordinator 2>/dev/null; then
     cat "$logs/coordinator.log" >&2
     wait $coordinator
@@ -42,7 +42,7 @@ i=0
 while read -r _ program _ _ _ layer; do  # start interply-solver-metal --connect ADDRESS --layer sheet_lower
   host=${hosts[i++ % ${#hosts[@]}]}
   echo "$layer on $host"
-  "${remote[@]}" "$host" "$bin$program" --connect "$address" --layer "$layer" >"$logs/$layer.log" 2>&1 &
+  "${remote[@]}" "$host" "$bin$program" --connect "$address" --layer "$layer" >"$logs/$layer.log" 2>&1 </dev/null &
 done < <(grep '^start interply-solver-' "$logs/coordinator.log")
 
 tail -n +1 -F --pid=$coordinator "$logs/coordinator.log" 2>/dev/null | grep --line-buffered -v '^start ' &

@@ -15,7 +15,7 @@ class ZeromqClient {
  public:
   /// @param silence  of the coordinator after which it counts as lost, s
   ZeromqClient(const std::string& address, double silence) : address_(address) {
-    if (is_tcp(address)) socket_.end_silence(silence);
+    if (is_tcp(address)) socket_.limit_silence(silence);
     socket_.connect(address);
   }
 

@@ -77,7 +77,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
     socket_.limit_messages(
         std::max(compute_frame_limit(admission_.largest_layer()), compute_sample_limit(admission_.largest_sample())));
     socket_.set_queue(kQueuePerSeat * (2 + admission_.size()));
-    if (is_tcp(address)) socket_.end_silence(silence);
+    if (is_tcp(address)) socket_.limit_silence(silence);
     socket_.bind(address);
     if (arrays == ArraysBy::Mailbox) mail_ = make_mail_room(socket_.endpoint(), expected);
   }

@@ -101,7 +101,7 @@ void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::
 
 void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
 
-void ZeromqSocket::end_silence(double seconds) {
+void ZeromqSocket::limit_silence(double seconds) {
   if (seconds > kLongestSilence) return;
   const int wait = std::max(100, static_cast<int>(1000 * seconds));
   parts_->silence = std::chrono::milliseconds(wait);

@@ -38,7 +38,7 @@ class ZeromqSocket {
   void set_queue(int messages);
   /// Over TCP, whoever gives no sign of life for so long is silent: a cut link, a host that is gone, a process that is
   /// stopped. Whoever only computes is heard. Before bind() or connect(), s.
-  void end_silence(double seconds);
+  void limit_silence(double seconds);
   /// Whether nothing has come by a connection for so long, in which this process itself was there to hear it: waited, and
   /// was not stopped. May be asked at any rate.
   /// @param connections  their descriptors; -1 is none   @return one that is silent, or -1

@@ -79,7 +79,8 @@ RunResult Federation::supervise() {
   }
   if (result_.exit_code == kLost) describe_named();
   const bool said_cancelled = cause_ && cause_->exit_code == kCancelled && result_.exit_code == kCancelled;
-  if (cause_ && cause_->exit_code == kLost && !reason_.empty()) cause_->message += "\nthe coordinator: " + reason_;
+  if (cause_ && cause_->exit_code == kLost && processes_.front().child->exit_code() == kLost && !reason_.empty())
+    cause_->message += "\nthe coordinator: " + reason_;
   RunResult result = cause_ && !said_cancelled ? *cause_ : result_;  // the coordinator knows at which step
   result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
   result.summary_json = result_.summary_json;

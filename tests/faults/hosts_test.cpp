@@ -64,7 +64,7 @@ TEST_F(Hosts, SshFormsTheSameBits) {
 
 TEST_F(Hosts, AJobOfSlurmFormsTheSameBits) {
   pretend("scontrol", "echo n1; echo n2");
-  pretend("srun", "while [ \"${1#-}\" != \"$1\" ]; do l=$1; shift; done; [ $l = --nodelist ] && shift; exec \"$@\"");
+  pretend("srun", "cat >/dev/null; while [ \"${1#-}\" != \"$1\" ]; do l=$1; shift; done; [ $l = --nodelist ] && shift; exec \"$@\"");
   ASSERT_EQ(run("SLURM_JOB_NODELIST='n[1-2]' SLURM_SUBMIT_DIR=$PWD deploy/examples/slurm_job.sh " + scene().string() +
                 " " + out().string()),
             0)
