@@ -9,6 +9,7 @@
 #include "coordinator/quantity.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/step.hpp"
+#include "coordinator/time_left.hpp"
 #include "coordinator/waiting.hpp"
 #include "mechanics/digest.hpp"
 #include "mechanics/failure.hpp"
@@ -20,11 +21,11 @@ namespace {
 using exchange::Event;
 using exchange::StopReason;
 
-constexpr int kFramesUnderWay = 4;                  ///< ordered, and not yet in the record
+constexpr int kFramesUnderWay = 4;                 ///< ordered, and not yet in the record
 constexpr std::int64_t kBytesUnderWay = 64 << 20;  ///< these together, but one frame at least
 constexpr std::int64_t kRowsUnderWay = 100;        ///< of the history
 constexpr double kWatchers = 0.2;                  ///< s that whoever watches has for the last samples
-constexpr double kLastWords = 1.5;                 ///< s for a recorder to close the record of a run that was broken off
+constexpr double kLastWords = 1.5;  ///< s for a recorder to close the record of a run that was broken off
 
 /// Why the loop ends early; caught in run().
 struct Ended {
@@ -42,6 +43,7 @@ class Run {
         report_(report),
         log_(log),
         forming_(scene, link, sink),
+        time_left_(scene.end_time()),
         is_here_(scene.layers.size(), false),
         has_ended_(scene.layers.size(), false),
         finals_(scene.layers.size()) {}
@@ -87,12 +89,14 @@ class Run {
       if (event.who == recorder() && event.kind == Event::Kind::Failed) throw failure_of(event);
       if (event.who == recorder() && event.kind == Event::Kind::Suspect) throw lost(event.who, event.message);
       if (waiting_.seconds() > patience)
-        throw Ended{StopReason::Lost,
-                    fmt::format("no word from recorder for {:g} s after the end: the record may not be closed", patience)};
+        throw Ended{
+            StopReason::Lost,
+            fmt::format("no word from recorder for {:g} s after the end: the record may not be closed", patience)};
       if (waiting_.is_due()) log_(fmt::format("waiting for recorder to close for {:.0f} s", waiting_.seconds()));
     }
   }
 
+  int frames_recorded() const { return link_.expects_recorder() ? static_cast<int>(recorded_.frames) : -1; }
   int frames_begun() const { return frames_begun_; }
   const std::string& too_soft() const { return forming_.too_soft(); }
 
@@ -155,6 +159,8 @@ class Run {
       if (last) return;
       forming_.step_seconds = std::chrono::duration<double>(Waiting::Clock::now() - step_start).count();
       forming_.wait_seconds = waited;
+      time_left_.note(forming_.pace().time(),
+                      std::chrono::duration<double>(Waiting::Clock::now().time_since_epoch()).count());
       report_progress({});
     }
   }
@@ -233,7 +239,8 @@ class Run {
         if (event.who == recorder()) recorder_is_here_ = false;
         throw failure_of(event);
       case Event::Kind::Cancelled:
-        throw Ended{StopReason::Cancelled, event.message};
+        throw Ended{StopReason::Cancelled,
+                    fmt::format("the run was cancelled {} ({})", describe_instant(), event.message)};
       case Event::Kind::Suspect:
         if (event.who == recorder()) recorder_is_here_ = false;
         if (event.who >= 0) throw lost(event.who, event.message);
@@ -270,8 +277,8 @@ class Run {
     throw lost(forming_.lost(), "its connection is closed");
   }
 
-  /// What a layer sent cannot be. Its own failure, which knows the element, may be on its way and goes first; if it only
-  /// leaves, the fault says more.
+  /// What a layer sent cannot be. Its own failure, which knows the element, may be on its way and goes first; if it
+  /// only leaves, the fault says more.
   Ended blame(const std::string& fault) {
     const auto start = Waiting::Clock::now();
     try {
@@ -296,13 +303,6 @@ class Run {
     const auto now = Waiting::Clock::now();
     if (now - last_report_ < std::chrono::milliseconds(500)) return;
     const Pace& pace = forming_.pace();
-    const double elapsed = std::chrono::duration<double>(now - first_report_).count();
-    // pace of the last few seconds: the increment changes over a run
-    if (elapsed > 3) {
-      rate_ = (pace.time() - first_time_) / elapsed;
-      first_report_ = now;
-      first_time_ = pace.time();
-    }
     last_report_ = now;
     report_({.step = pace.step(),
              .time = pace.time(),
@@ -311,7 +311,7 @@ class Run {
              .stroke = forming_.stroke(),
              .punch_force = forming_.punch_force(),
              .residual = forming_.residual(),
-             .seconds_left = rate_ > 0 ? (scene_.end_time() - pace.time()) / rate_ : -1,
+             .seconds_left = time_left_.seconds(),
              .waiting_for = waiting_for});
   }
 
@@ -331,6 +331,11 @@ class Run {
     if (link_.expects_recorder() && recorder_is_here_ == here) names += (names.empty() ? "" : ", ") + name(recorder());
     return names.empty() ? "nobody" : names;
   }
+  std::string describe_instant() const {
+    const Pace& pace = forming_.pace();
+    if (frames_begun_ == 0 && pace.step() == 0) return "before the first step";
+    return fmt::format("at step {}, {:.3f} ms, stroke {:.1f} mm", pace.step(), 1e3 * pace.time(), forming_.stroke());
+  }
   Ended lost(int who, const std::string& why) const {
     return {StopReason::Lost, fmt::format("lost {} at step {}: {}", name(who), forming_.pace().step(), why)};
   }
@@ -345,12 +350,12 @@ class Run {
   const std::function<void(const Progress&)>& report_;
   const std::function<void(const std::string&)>& log_;
   Forming forming_;
+  TimeLeft time_left_;
   std::vector<bool> is_here_, has_ended_;
   std::vector<int> early_;  ///< layers whose motion of the next step is already here
   std::vector<exchange::Final> finals_;
   Waiting waiting_;
-  Waiting::Clock::time_point last_report_{}, first_report_ = Waiting::Clock::now();
-  double first_time_ = 0, rate_ = 0;
+  Waiting::Clock::time_point last_report_{};
   int frames_begun_ = 0;
   bool recorder_is_here_ = false;
   exchange::Recorded recorded_;
@@ -407,6 +412,7 @@ Outcome run(const scene::Scene& scene, const std::string& run_name, exchange::Co
     if (done) end_early(ended.reason, ended.message);
   }
   sink.flush(kWatchers);
+  outcome.frames_recorded = run.frames_recorded();
   return outcome;
 }
 

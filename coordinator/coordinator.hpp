@@ -35,12 +35,13 @@ struct Measures {
 
 /// How the run ended.
 struct Outcome {
-  int exit_code = 0;    ///< 0 done, 1 the record cannot be written, 3 diverged, 4 lost, 5 cancelled
-  std::string message;  ///< one sentence if not done
-  std::string digest;   ///< 16 hex digits of the final state of all layers, also if only the record was lost then
-  std::string summary;  ///< one screen of text, without the digest line; as above
+  int exit_code = 0;         ///< 0 done, 1 the record cannot be written, 3 diverged, 4 lost, 5 cancelled
+  std::string message;       ///< one sentence if not done
+  std::string digest;        ///< 16 hex digits of the final state of all layers, also if only the record was lost then
+  std::string summary;       ///< one screen of text, without the digest line; as above
   std::string summary_json;  ///< the same numbers with their units (proto/summary.proto); as above
-  Measures measures;    ///< of a run that is done
+  Measures measures;         ///< of a run that is done
+  int frames_recorded = -1;  ///< as its recorder has said; -1: the link has none
 };
 
 /// Runs a scene over a link from waiting for the participants to the end. Never throws for what happens in a run.

@@ -3,13 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <iostream>
 #include <new>
 #include <random>
-#include <sstream>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/tool_check.hpp"
+#include "coordinator/voice.hpp"
 #include "exchange/address.hpp"
 #include "exchange/zeromq.hpp"
 #include "mechanics/digest.hpp"
@@ -17,7 +16,6 @@
 #include "observe/tee_sink.hpp"
 #include "process/arguments.hpp"
 #include "process/signals.hpp"
-#include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
 #include "solve/link_sink.hpp"
@@ -54,12 +52,6 @@ std::string make_identity(const std::string& name) {
   return fmt::format("{}-{:08x}{:08x}", name, random(), random());
 }
 
-/// Free text among the lines that a launcher reads: one line, and none of those that begin with a word of ours.
-std::string to_plain_line(const std::string& text) {
-  const std::string line = process::to_line(text);
-  return line.starts_with('@') ? "\\x40" + line.substr(1) : line;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -68,7 +60,7 @@ int main(int argc, char** argv) {
       "Example: interply-coordinator --bind tcp://127.0.0.1:7100 --scene scene.yaml --run test"};
   std::string address, scene_file, digest, run_name = "run";
   std::vector<std::string> overrides;
-  bool no_record = false;
+  bool no_record = false, for_launcher = false;
   app.add_option(
          "--bind", address,
          "address to listen on: shm://PATH (one host, the fastest), ipc://PATH or tcp://HOST:PORT (port * chooses one)")
@@ -78,10 +70,12 @@ int main(int argc, char** argv) {
   app.add_option("--scene-digest", digest, "digest that the resolved scene must have, 16 hexadecimal digits");
   app.add_option("--run", run_name, "name of this run; monitors use it");
   app.add_flag("--no-record", no_record, "do not wait for a recorder (nor without frames: record.frames=0)");
+  app.add_flag("--for-launcher", for_launcher, "say lines that a launcher reads instead of sentences");
   if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
   ::umask(0077);
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
   process::EndRequests requests(5);
+  const auto voice = coordinator::make_voice(for_launcher);
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
     if (!digest.empty() && digest != mechanics::to_hex(scene.digest))
@@ -96,37 +90,27 @@ int main(int argc, char** argv) {
     const auto link = exchange::bind_zeromq(address, {scene.text, scene.digest, run}, list_expected(scene),
                                             exchange::ArraysBy::Mailbox, keeps_record, scene.exchange.wait_deadline);
     const auto listening = requests.tell([&](const std::string& why) { link->cancel(why); });
-    std::cout << "bound " << exchange::get_endpoint(*link) << std::endl;
-    std::cout << "run " << process::to_line(run) << std::endl;
+    voice->say_address(exchange::get_endpoint(*link), scene, keeps_record);
+    voice->note("run " + run);
     observe::TeeSink sink(std::make_unique<solve::LinkSink<exchange::CoordinatorLink>>(*link),
                           observe::make_watch_sink(scene.record.frames > 0, solve::make_dds_options(scene, run)));
     const coordinator::Outcome outcome = coordinator::run(
-        scene, run, *link, sink,
-        [](const coordinator::Progress& p) {
-          std::cout << "@progress " << process::to_line(coordinator::format_progress(p)) << std::endl;
-        },
-        [](const std::string& line) { std::cout << to_plain_line(line) << std::endl; });
-    std::istringstream summary(outcome.summary);
-    for (std::string line; std::getline(summary, line);)
-      std::cout << "@summary " << process::to_line(line) << std::endl;
-    std::istringstream json(outcome.summary_json);  // has its own escapes
-    for (std::string line; std::getline(json, line);) std::cout << "@json " << line << '\n';
-    if (!outcome.digest.empty()) std::cout << "@digest " << outcome.digest << std::endl;
-    std::cout.flush();
-    if (!outcome.message.empty()) std::cerr << to_plain_line(outcome.message) << std::endl;
+        scene, run, *link, sink, [&](const coordinator::Progress& progress) { voice->show_progress(progress); },
+        [&](const std::string& line) { voice->note(line); });
+    voice->say_end(outcome, scene.record.frames + 1);
     process::end_within(process::kGrace, outcome.exit_code);  // whatever closing the links waits for
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {
-    std::cerr << e.what() << std::endl;
+    voice->say_reason(e.what());
     return 2;
   } catch (const exchange::BadAddress& e) {
-    std::cerr << "--bind: " << e.what() << std::endl;
+    voice->say_reason(std::string("--bind: ") + e.what());
     return 2;
   } catch (const std::bad_alloc&) {
-    std::cerr << "there is not enough memory" << std::endl;
+    voice->say_reason("there is not enough memory");
     return 1;
   } catch (const std::exception& e) {
-    std::cerr << e.what() << std::endl;
+    voice->say_reason(e.what());
     return 1;
   }
 }

@@ -109,11 +109,11 @@ class InProcessSolver final : public SolverLink {
 
   void receive(Force& force, double deadline) override {
     if (who_ < 0) throw std::logic_error("receive() before join()");
-    const Deadline until(deadline);
+    Deadline until(deadline);
     Lane& lane = state_->lane(who_);
     Lock lock(state_->mutex);
-    lane.wake.wait_until(lock, until.time(),
-                         [&] { return lane.answered || state_->stopped.has_value() || state_->closed; });
+    const auto is_over = [&] { return lane.answered || state_->stopped.has_value() || state_->closed; };
+    while (!is_over() && !until.passed()) lane.wake.wait_for(lock, until.left(), is_over);
     if (lane.answered) {
       lane.answered = false;
       std::swap(force, lane.force);
@@ -159,9 +159,10 @@ class InProcessCoordinator final : public CoordinatorLink {
   explicit InProcessCoordinator(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
   Event receive(double timeout) override {
-    const Deadline until(timeout);
+    Deadline until(timeout);
     Lock lock(state_->mutex);
-    state_->wake.wait_until(lock, until.time(), [&] { return !state_->pending.empty() || state_->cancelled; });
+    const auto is_over = [&] { return !state_->pending.empty() || state_->cancelled; };
+    while (!is_over() && !until.passed()) state_->wake.wait_for(lock, until.left(), is_over);
     Event event;
     if (state_->cancelled) {
       event.kind = Event::Kind::Cancelled;

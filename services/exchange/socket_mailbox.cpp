@@ -115,7 +115,7 @@ bool SocketMailbox::post(const Motion& motion) {
 }
 
 void SocketMailbox::push() {
-  const Deadline until(kRoom);
+  Deadline until(kRoom);
   while (stream_ && stream_->is_sending() && !until.passed()) {
     pollfd room{stream_->descriptor(), POLLOUT, 0};
     ::poll(&room, 1, static_cast<int>(until.left().count()));

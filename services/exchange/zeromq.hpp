@@ -12,8 +12,9 @@
 /// of its own, which becomes a participant by an accepted Join and can never be taken over. A solver connects as often
 /// as it takes until it has joined and never again after that: whoever loses its connection has lost its place, so
 /// nothing stale can arrive. Deaths are noticed at once because the kernel closes the connection of a dead process; a
-/// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits; a cut link and a stopped
-/// process are also found by their silence: while it only computes a process gives a sign of life every second.
+/// stopped or hanging one keeps its connection and is found by the deadlines of whoever waits. Over TCP a cut link, a host
+/// that is gone and a stopped process are also found by their silence: who only computes still gives signs of life. On
+/// one host nothing cuts a link, and whoever was stopped together with all others (Ctrl-Z) is silent without being lost.
 #pragma once
 
 #include <limits>
@@ -28,7 +29,7 @@ namespace interply::exchange {
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// A solver's end. The coordinator may bind later; join() waits for it.
-/// @param silence  s without a sign of life of the coordinator after which it counts as lost
+/// @param silence  over TCP: s without a sign of life of the coordinator after which it counts as lost
 /// @throws BadAddress (address.hpp)
 std::unique_ptr<SolverLink> connect_zeromq(const std::string& address, double silence = kNoLimit);
 
@@ -44,7 +45,7 @@ enum class ArraysBy {
 /// The coordinator's end, bound to exactly what `address` says ("tcp://127.0.0.1:*" takes a free port).
 /// @param welcome   what everyone accepted is told; a Join must know no scene or the one of `welcome.scene_digest`
 /// @param recorder  a recorder takes part, too
-/// @param silence   s without a sign of life of a participant after which it counts as lost
+/// @param silence   over TCP: s without a sign of life of a participant after which it counts as lost
 /// @throws std::runtime_error if the address cannot be bound
 std::unique_ptr<CoordinatorLink> bind_zeromq(const std::string& address, Welcome welcome,
                                              std::vector<Expected> expected, ArraysBy arrays = ArraysBy::Mailbox,

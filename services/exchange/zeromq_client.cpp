@@ -44,6 +44,7 @@ std::optional<MessageKind> ZeromqClient::take() {
     if (lost_) throw_lost("closed the connection");
     return {};
   }
+  if (descriptor_ < 0) descriptor_ = socket_.descriptor();
   try {
     return decoder_.open(socket_.frame());
   } catch (const Malformed& malformed) {
@@ -52,7 +53,7 @@ std::optional<MessageKind> ZeromqClient::take() {
 }
 
 MessageKind ZeromqClient::next(double deadline) {
-  const Deadline until(deadline);
+  Deadline until(deadline);
   for (;;) {
     if (const auto kind = take()) return *kind;
     if (until.passed()) throw_silent(deadline);
@@ -63,7 +64,7 @@ MessageKind ZeromqClient::next(double deadline) {
 void ZeromqClient::send_failure(const Failure& failure) {
   try {
     send(failure);
-    const Deadline until(kFailureDelivery);
+    Deadline until(kFailureDelivery);
     while (!until.passed()) {
       const MessageKind kind = next(kFailureDelivery);
       if (kind == MessageKind::Received || kind == MessageKind::Stop) return;
@@ -73,7 +74,7 @@ void ZeromqClient::send_failure(const Failure& failure) {
   }
 }
 
-/// A connection that once stood and ends is lost for good.
+/// A connection that once stood and ends, or is silent for too long, is lost for good.
 void ZeromqClient::note_news() {
   while (const auto news = socket_.next_news()) {
     if (news->connected)
@@ -81,6 +82,7 @@ void ZeromqClient::note_news() {
     else if (connected_)
       lost_ = true;
   }
+  if (socket_.find_silent({&descriptor_, 1}) >= 0) lost_ = true;
 }
 
 void ZeromqClient::throw_stopped() const {

@@ -1,4 +1,5 @@
-/// What the ends of a solver and of the recorder have in common: one connection to the coordinator. Internal to exchange.
+/// What the ends of a solver and of the recorder have in common: one connection to the coordinator. Internal to
+/// exchange.
 #pragma once
 
 #include <optional>
@@ -14,7 +15,7 @@ class ZeromqClient {
  public:
   /// @param silence  of the coordinator after which it counts as lost, s
   ZeromqClient(const std::string& address, double silence) : address_(address) {
-    socket_.end_silence(silence);
+    if (is_tcp(address)) socket_.limit_silence(silence);
     socket_.connect(address);
   }
 
@@ -56,6 +57,7 @@ class ZeromqClient {
 
   const std::string address_;
   ZeromqSocket socket_{ZeromqSocket::Type::Dealer};
+  int descriptor_ = -1;  ///< of the connection, once it has brought something
   bool connected_ = false, lost_ = false;
   Encoder encoder_;
   Decoder decoder_;

@@ -74,16 +74,16 @@ class ZeromqCoordinator final : public CoordinatorLink {
       : welcome_(std::move(welcome)),
         admission_(welcome_.scene_digest, expected, recorder),
         peers_(static_cast<std::size_t>(admission_.size())) {
-    socket_.limit_messages(std::max(compute_frame_limit(admission_.largest_layer()),
-                                    compute_sample_limit(admission_.largest_sample())));
+    socket_.limit_messages(
+        std::max(compute_frame_limit(admission_.largest_layer()), compute_sample_limit(admission_.largest_sample())));
     socket_.set_queue(kQueuePerSeat * (2 + admission_.size()));
-    socket_.end_silence(silence);
+    if (is_tcp(address)) socket_.limit_silence(silence);
     socket_.bind(address);
     if (arrays == ArraysBy::Mailbox) mail_ = make_mail_room(socket_.endpoint(), expected);
   }
 
   Event receive(double timeout) override {
-    const Deadline until(timeout);
+    Deadline until(timeout);
     for (;;) {
       if (auto message = alarm_.take()) return make_event(Event::Kind::Cancelled, -1, std::move(*message));
       if (n_owed_ > 0) {  // mail that never ceases must not keep messages from being read
@@ -150,12 +150,17 @@ class ZeromqCoordinator final : public CoordinatorLink {
   const Peer& peer(int who) const { return peers_[static_cast<std::size_t>(who)]; }
 
   void note_news() {
-    while (const auto news = socket_.next_news())
-      for (Peer& p : peers_)
-        if (p.descriptor >= 0 && p.descriptor == news->descriptor) {
-          p.lost = true;
-          p.descriptor = -1;
-        }
+    while (const auto news = socket_.next_news()) note_end(news->descriptor);
+    connections_.clear();
+    for (const Peer& p : peers_) connections_.push_back(p.descriptor);
+    note_end(socket_.find_silent(connections_));
+  }
+  void note_end(int descriptor) {
+    for (Peer& p : peers_)
+      if (p.descriptor >= 0 && p.descriptor == descriptor) {
+        p.lost = true;
+        p.descriptor = -1;
+      }
   }
 
   Event take_loss() {
@@ -207,7 +212,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
   }
 
   /// Connections are looked at before each message because a descriptor may be used again.
-  Event read_messages(const Deadline& until) {
+  Event read_messages(Deadline& until) {
     while (note_news(), socket_.receive()) {
       if (Event event = read_message(); event.kind != Event::Kind::None) return event;
       if (until.passed()) break;
@@ -335,6 +340,7 @@ class ZeromqCoordinator final : public CoordinatorLink {
   Admission admission_;
   RefusalLog refusals_;
   std::vector<Peer> peers_;
+  std::vector<int> connections_;  ///< of the peers
   Alarm alarm_;
   ZeromqSocket socket_{ZeromqSocket::Type::Router};
   Encoder encoder_;

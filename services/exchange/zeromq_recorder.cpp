@@ -17,7 +17,7 @@ class ZeromqRecorder final : public RecorderLink {
   }
 
   std::optional<Sample> receive(double timeout) override {
-    const Deadline until(timeout);
+    Deadline until(timeout);
     for (;;) {
       if (const auto kind = client_.take()) {
         if (kind != MessageKind::Sample) client_.throw_lost("sent something else than a sample");

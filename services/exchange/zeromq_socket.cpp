@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,15 +18,16 @@ namespace interply::exchange {
 
 namespace {
 
-constexpr int kLinger = 1000;           ///< ms that a closed socket still tries to deliver what it sent
-constexpr int kSendTimeout = 5000;      ///< ms until a full queue counts as a loss
+constexpr int kLinger = 1000;            ///< ms that a closed socket still tries to deliver what it sent
+constexpr int kSendTimeout = 5000;       ///< ms until a full queue counts as a loss
 constexpr int kHeartbeat = 1000;        ///< ms between signs of life
 constexpr double kLongestSilence = 1e6;  ///< s; longer ones never end
-constexpr int kReconnect = 20;          ///< ms between attempts while nobody listens yet
-constexpr int kQueue = 100;             ///< messages per connection; lock-step needs two
-constexpr int kKernelBuffer = 4 << 20;  ///< bytes; a whole message fits
-constexpr int kKeptMemory = 1 << 29;    ///< bytes that stay with the process when they are free
-constexpr int kLargestKept = 32 << 20;  ///< of these in one piece
+constexpr int kReconnect = 20;           ///< ms between attempts while nobody listens yet
+constexpr int kQueue = 100;              ///< messages per connection; lock-step needs two
+constexpr int kKernelBuffer = 4 << 20;   ///< bytes; a whole message fits
+constexpr int kKeptMemory = 1 << 29;     ///< bytes that stay with the process when they are free
+constexpr int kLargestKept = 32 << 20;   ///< of these in one piece
+constexpr std::chrono::milliseconds kListen{250};  ///< between two looks for silence
 constexpr const char* kNews = "inproc://news";
 
 /// Calls again when a signal interrupted. False: errno says why.
@@ -76,9 +79,7 @@ struct ZeromqSocket::Parts {
     socket_descriptor = socket.get(zmq::sockopt::fd);
     news_descriptor = news.get(zmq::sockopt::fd);
   }
-  ~Parts() {
-    zmq_socket_monitor(socket.handle(), nullptr, 0);
-  }
+  ~Parts() { zmq_socket_monitor(socket.handle(), nullptr, 0); }
 
   zmq::context_t context;
   zmq::socket_t socket;
@@ -89,6 +90,8 @@ struct ZeromqSocket::Parts {
   bool whole = true;
   bool shares_memory = false;
   std::optional<UnixListener> listener;  ///< whose descriptor ZeroMQ has
+  Deadline::Clock::duration silence = Deadline::Clock::duration::max();
+  Deadline::Clock::time_point listened{}, listens_since{};
 };
 
 ZeromqSocket::ZeromqSocket(Type type) : parts_(std::make_unique<Parts>(type)) {}
@@ -98,11 +101,29 @@ void ZeromqSocket::limit_messages(std::int64_t bytes) { parts_->socket.set(zmq::
 
 void ZeromqSocket::set_queue(int messages) { parts_->socket.set(zmq::sockopt::sndhwm, messages); }
 
-void ZeromqSocket::end_silence(double seconds) {
+void ZeromqSocket::limit_silence(double seconds) {
   if (seconds > kLongestSilence) return;
-  const int wait = std::max(100, static_cast<int>(1000 * seconds)), every = std::min(kHeartbeat, wait);
-  parts_->socket.set(zmq::sockopt::heartbeat_ivl, every);
-  parts_->socket.set(zmq::sockopt::heartbeat_timeout, wait);
+  const int wait = std::max(100, static_cast<int>(1000 * seconds));
+  parts_->silence = std::chrono::milliseconds(wait);
+  parts_->socket.set(zmq::sockopt::heartbeat_ivl, std::min(kHeartbeat, wait / 2));
+  parts_->socket.set(zmq::sockopt::heartbeat_timeout, 0);  // would count the time in which we were stopped ourselves
+}
+
+int ZeromqSocket::find_silent(std::span<const int> connections) {
+  Parts& p = *parts_;
+  const auto now = Deadline::Clock::now();
+  if (p.silence == Deadline::Clock::duration::max() || now - p.listened < kListen) return -1;
+  if (now - p.listened > 2 * Deadline::kLook) p.listens_since = now;
+  p.listened = now;
+  if (now - p.listens_since < p.silence) return -1;
+  for (const int connection : connections) {
+    tcp_info info{};
+    socklen_t size = sizeof(info);
+    if (connection >= 0 && ::getsockopt(connection, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
+        std::chrono::milliseconds(info.tcpi_last_data_recv) > p.silence)
+      return connection;
+  }
+  return -1;
 }
 
 void ZeromqSocket::connect(const std::string& address) {
@@ -123,8 +144,7 @@ void ZeromqSocket::bind(const std::string& text) {
     const int descriptor = parts_->listener.emplace(address).release();
     zmq_setsockopt(parts_->socket.handle(), ZMQ_USE_FD, &descriptor, sizeof(descriptor));
     const uid_t user = ::geteuid();  // a name has no permissions
-    if (address.path.starts_with('@'))
-      zmq_setsockopt(parts_->socket.handle(), ZMQ_IPC_FILTER_UID, &user, sizeof(user));
+    if (address.path.starts_with('@')) zmq_setsockopt(parts_->socket.handle(), ZMQ_IPC_FILTER_UID, &user, sizeof(user));
   }
   if (zmq_bind(parts_->socket.handle(), endpoint.c_str()) == 0) return;
   const std::string why = fmt::format("cannot listen at {}: {}", text, zmq_strerror(errno));
@@ -193,7 +213,7 @@ void ZeromqSocket::wait(const Deadline& until, std::initializer_list<pollfd> oth
   std::size_t n = 0;
   for (const int own : {parts_->socket_descriptor, parts_->news_descriptor}) items[n++] = {own, POLLIN, 0};
   for (const pollfd& other : others) items[n++] = other;
-  ::poll(items.data(), n, static_cast<int>(std::min<std::int64_t>(until.left().count(), 1 << 30)));
+  ::poll(items.data(), n, static_cast<int>(until.left().count()));
 }
 
 }  // namespace interply::exchange

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -35,9 +36,13 @@ class ZeromqSocket {
   void limit_messages(std::int64_t bytes);
   /// Messages to one connection that may wait to leave. Before bind().
   void set_queue(int messages);
-  /// Whoever gives no sign of life for so long has lost its connection: a cut link, a host that is gone, a process that is
-  /// stopped. Whoever only computes is heard. Noticed within a second more. Before bind() or connect(), s.
-  void end_silence(double seconds);
+  /// Over TCP, whoever gives no sign of life for so long is silent: a cut link, a host that is gone, a process that is
+  /// stopped. Whoever only computes is heard. Before bind() or connect(), s.
+  void limit_silence(double seconds);
+  /// Whether nothing has come by a connection for so long, in which this process itself was there to hear it: waited, and
+  /// was not stopped. May be asked at any rate.
+  /// @param connections  their descriptors; -1 is none   @return one that is silent, or -1
+  int find_silent(std::span<const int> connections);
   /// @throws BadAddress, std::runtime_error
   void connect(const std::string& address);
   void bind(const std::string& address);
@@ -49,7 +54,8 @@ class ZeromqSocket {
   /// Router; never waits. False: that connection is gone, or it takes nothing any more.
   bool send(std::string_view identity, Bytes frame);
 
-  /// Router; sends the message that receive() took on to another connection, without a copy. It is gone then. As send().
+  /// Router; sends the message that receive() took on to another connection, without a copy. It is gone then. As
+  /// send().
   bool relay(std::string_view identity);
 
   /// Takes the next message if one is here. What the next four describe is valid until the next call.
@@ -68,7 +74,7 @@ class ZeromqSocket {
   /// All that was received by a connection is here before its end is told.
   std::optional<News> next_news();
 
-  /// Sleeps until a message, news or one of `others` are there, at most until the deadline.
+  /// Sleeps until a message, news or one of `others` are there, at most until the deadline or its next look.
   /// @pre receive() and next_news() had nothing: what they leave behind does not wake   @pre at most two others
   void wait(const Deadline& until, std::initializer_list<pollfd> others = {});
 

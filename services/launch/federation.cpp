@@ -58,6 +58,7 @@ std::optional<std::string> after_prefix(const std::string& line, const std::stri
 Federation::Federation(FederationPlan plan, Terminal& terminal) : plan_(std::move(plan)), terminal_(terminal) {
   sigset_t handled = process::list_end_signals();
   sigaddset(&handled, SIGCHLD);
+  if (!process::is_ignored(SIGTSTP)) sigaddset(&handled, SIGTSTP);
   sigprocmask(SIG_BLOCK, &handled, &old_mask_);
   signals_ = signalfd(-1, &handled, SFD_NONBLOCK | SFD_CLOEXEC);
   if (signals_ < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
@@ -77,7 +78,10 @@ RunResult Federation::supervise() {
     stop_late();
   }
   if (result_.exit_code == kLost) describe_named();
-  RunResult result = cause_ ? *cause_ : result_;
+  const bool said_cancelled = cause_ && cause_->exit_code == kCancelled && result_.exit_code == kCancelled;
+  if (cause_ && cause_->exit_code == kLost && processes_.front().child->exit_code() == kLost && !reason_.empty())
+    cause_->message += "\nthe coordinator: " + reason_;
+  RunResult result = cause_ && !said_cancelled ? *cause_ : result_;  // the coordinator knows at which step
   result.summary = result_.summary;  // of mechanics that were done, even if the record was lost then
   result.summary_json = result_.summary_json;
   result.digest = result_.digest;
@@ -126,13 +130,34 @@ void Federation::wait_for_events() {
 }
 
 void Federation::handle_signals() {
-  bool cancel = false;
-  for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) cancel |= info.ssi_signo != SIGCHLD;
+  int cancel = 0;
+  bool stop = false;
+  for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) {
+    const int signal = static_cast<int>(info.ssi_signo);
+    if (signal == SIGTSTP)
+      stop = true;
+    else if (signal != SIGCHLD)
+      cancel = signal;
+  }
   reap_ended();  // SIGCHLD signals coalesce: look at every child
-  if (cancel) handle_cancel();
+  if (cancel != 0)
+    handle_cancel(cancel);
+  else if (stop)
+    pause();
 }
 
-void Federation::handle_cancel() {
+void Federation::pause() {
+  const auto begin = Clock::now();
+  terminal_.pause();
+  for (auto& p : processes_) p.child->send_signal(SIGSTOP);  // each has a process group of its own
+  process::stop_this_process();
+  for (auto& p : processes_) p.child->send_signal(SIGCONT);
+  const auto paused = Clock::now() - begin;
+  for (auto& p : processes_)
+    if (p.stop_at != Clock::time_point::max()) p.stop_at += paused;
+}
+
+void Federation::handle_cancel(int signal) {
   if (cancelled_) {
     for (auto& p : processes_) p.child->send_signal(SIGKILL);
     return;
@@ -142,7 +167,7 @@ void Federation::handle_cancel() {
   if (!cause_) cause_ = {kCancelled, "the run was cancelled", "", ""};
   for (auto& p : processes_) p.told_to_end = true;
   limit_all(kGraceAfterCancel);
-  processes_.front().child->send_signal(SIGINT);
+  processes_.front().child->send_signal(signal);
   if (!bound_) limit_all(0);
 }
 
@@ -157,7 +182,9 @@ void Federation::handle_line(const Supervised& from, const std::string& line) {
     result_.summary_json += *json + '\n';
   } else if (const auto digest = after_prefix(line, "@digest ")) {
     result_.digest = *digest;
-  } else if (const auto address = after_prefix(line, "bound "); address && !bound_) {
+  } else if (const auto reason = after_prefix(line, "@reason ")) {
+    reason_ = *reason;
+  } else if (const auto address = after_prefix(line, "@bound "); address && !bound_) {
     start_others(*address);
   } else {
     terminal_.note(line);
@@ -192,24 +219,18 @@ void Federation::handle_end(Supervised& ended) {
 void Federation::handle_coordinator_end(const Child& coordinator) {
   const bool cancelled = !coordinator.was_killed() && coordinator.exit_code() == kCancelled;
   limit_all(cancelled ? kGraceAfterItsCancel : is_orderly(coordinator) ? kGraceAfterCoordinator : kGraceAfterLoss);
-  if (cause_) return;
+  if (cause_ && (!cancelled || reason_.empty())) return;
   result_.exit_code = coordinator.was_killed() ? kLost : coordinator.exit_code();
   if (result_.exit_code == kDone) return;
   const auto& lines = coordinator.last_lines();
-  const std::string last = lines.empty() ? "" : ": " + lines.back();
-  if (!bound_) {
-    result_.message = fmt::format("the coordinator {} before anything was started{}", coordinator.describe_end(), last);
-  } else if (result_.exit_code == kDiverged) {
-    result_.message = "the mechanics diverged" + last;
-  } else if (result_.exit_code == kLost) {
-    result_.message = "a participant was lost" + last;
-  } else if (result_.exit_code == kFailed) {
-    result_.message = "the run could not go on" + last;
-  } else if (result_.exit_code == kCancelled) {
-    result_.message = "the run was cancelled";
-  } else {
-    result_.message = fmt::format("the coordinator {}{}", coordinator.describe_end(), last);
-  }
+  const std::string said = !reason_.empty() ? reason_ : lines.empty() ? "" : lines.back();
+  const std::string left = "the coordinator " + coordinator.describe_end(), because = said.empty() ? "" : ": " + said;
+  if (!bound_)
+    result_.message = left + " before anything was started" + because;
+  else if (coordinator.was_killed() || result_.exit_code > kCancelled || result_.exit_code == kRefused)
+    result_.message = left + because;
+  else
+    result_.message = describe_early_end(result_.exit_code, result_.exit_code == kCancelled ? reason_ : said);
 }
 
 void Federation::describe_named() {
@@ -228,7 +249,7 @@ void Federation::report_lost(const Child& lost) {
             "", ""};
   cause_->message += quote_log(lost);
   terminal_.end_progress();
-  terminal_.note(fmt::format("{} {}: stopping the others", lost.name(), lost.describe_end()));
+  terminal_.note(fmt::format("{} is lost: stopping the others", lost.name()));
   for (auto& p : processes_) {
     p.told_to_end = true;
     limit(p, p.child->name() == "recorder" ? kRecorderGraceAfterLoss : kGraceAfterLoss);

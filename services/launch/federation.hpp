@@ -30,7 +30,7 @@ struct Participant {
 /// What to start: the coordinator first; the others once it has said where it listens.
 struct FederationPlan {
   Participant coordinator;
-  /// Made from the address of the coordinator's line "bound ADDRESS".
+  /// Made from the address of the coordinator's line "@bound ADDRESS" (coordinator/voice.hpp).
   std::function<std::vector<Participant>(const std::string& bound)> others;
   std::filesystem::path logs;    ///< folder for one log file per process
   double startup_deadline = 60;  ///< s until the coordinator listens
@@ -40,7 +40,8 @@ struct FederationPlan {
 ///
 /// A process that ends before its time is named with its last lines of log. The coordinator, which notices a dead
 /// solver over its link, is given a moment to stop everyone in order; then what is left gets SIGTERM, later SIGKILL.
-/// The first SIGINT, SIGTERM or SIGHUP asks the coordinator to stop the run; the second kills everything.
+/// The first SIGINT, SIGTERM or SIGHUP asks the coordinator to stop the run; the second kills everything. SIGTSTP
+/// (Ctrl-Z) stops all of them and this process until it is continued.
 class Federation {
  public:
   /// Blocks the signals that it handles; one Federation at a time.
@@ -65,7 +66,8 @@ class Federation {
   void start_others(const std::string& bound);
   void wait_for_events();
   void handle_signals();
-  void handle_cancel();
+  void handle_cancel(int signal);
+  void pause();
   void handle_line(const Supervised& from, const std::string& line);
   void reap_ended();
   void handle_end(Supervised& ended);
@@ -89,6 +91,7 @@ class Federation {
   bool bound_ = false, cancelled_ = false;
   std::optional<RunResult> cause_;  ///< first reason to end early that was seen here
   RunResult result_;                ///< what the coordinator said
+  std::string reason_;              ///< of an early end, in its words
 };
 
 }  // namespace interply::launch

@@ -109,10 +109,23 @@ void Child::read_output(const std::function<void(const std::string&)>& on_line) 
   }
 }
 
+namespace {
+
+/// Of a coordinator's line for its launcher (coordinator/voice.hpp), what a person may want to read.
+std::string to_log(const std::string& line) {
+  const std::string summary = "@summary ";
+  if (line.starts_with(summary)) return line.substr(summary.size());
+  for (const char* word : {"@bound ", "@digest ", "@reason "})
+    if (line.starts_with(word)) return line.substr(1);
+  return line;
+}
+
+}  // namespace
+
 void Child::keep_line(const std::string& line) {
-  if (line.starts_with("@progress ")) return;
-  log_ << line << std::endl;
-  last_lines_.push_back(line);
+  if (line.starts_with("@progress ") || line.starts_with("@json ")) return;
+  last_lines_.push_back(to_log(line));
+  log_ << last_lines_.back() << std::endl;
   if (last_lines_.size() > kLastLines) last_lines_.pop_front();
 }
 

@@ -13,13 +13,13 @@
 namespace interply::launch {
 
 /// Started on construction, in its own process group (a terminal's Ctrl-C reaches only the launcher), without any
-/// descriptor of ours but `inherited`, and sent SIGTERM by the kernel if the launcher dies. Never waits: the owner polls
-/// `output()` and calls reap() on SIGCHLD.
+/// descriptor of ours but `inherited`, and sent SIGTERM by the kernel if the launcher dies. Never waits: the owner
+/// polls `output()` and calls reap() on SIGCHLD.
 class Child {
  public:
   /// @param name     for messages
   /// @param command  absolute path of the program, then its arguments
-  /// @param log      file that receives stdout and stderr, except lines beginning with "@progress "
+  /// @param log      file that receives stdout and stderr, except lines beginning with "@progress " or "@json "
   /// @param inherited  descriptor that the program keeps open under the same number; -1: none
   /// @throws std::system_error if the program cannot be started
   Child(std::string name, const std::vector<std::string>& command, const std::filesystem::path& log,

@@ -15,6 +15,7 @@
 #include "process/limits.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
+#include "record/reader.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/watch.hpp"
 
@@ -46,6 +47,15 @@ std::vector<fs::path> find_old_logs(const RunFolder& folder) {
 }
 
 }  // namespace
+
+std::string describe_early_end(int exit_code, const std::string& reason) {
+  const std::string what = exit_code == kDiverged    ? "the mechanics diverged"
+                           : exit_code == kLost      ? "a participant was lost"
+                           : exit_code == kCancelled ? "the run was cancelled"
+                                                     : "the run could not go on";
+  if (reason.starts_with(what)) return reason;
+  return reason.empty() ? what : what + ": " + reason;
+}
 
 void check_addresses(const scene::Scene& scene, const std::string& address) {
   solve::check_network(scene);
@@ -97,6 +107,14 @@ std::string find_status(int exit_code) {
   }
 }
 
+/// What a run that ended early has left. Empty: nothing that can be read.
+std::string describe_record(const scene::Scene& scene, const RunFolder& folder) try {
+  return fmt::format("the record holds {} of {} frames", record::RecordReader(folder.record()).frames_complete(),
+                     scene.record.frames + 1);
+} catch (const std::exception&) {
+  return "";
+}
+
 void print_result(const RunResult& result, const RunFolder& folder, bool quiet, Terminal& terminal) {
   terminal.end_progress();
   if (!result.message.empty()) std::fprintf(stderr, "interply: %s\n", result.message.c_str());
@@ -135,8 +153,8 @@ int run_command(const RunOptions& options) {
 
   const std::string run_name = make_run_name(scene.name);
   const std::string address = options.address.empty() ? scene.exchange.address : options.address;
-  const RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
-                                              : run_federated(scene, folder, run_name, address, terminal);
+  RunResult result = options.in_process ? run_in_process(scene, folder, run_name, terminal)
+                                        : run_federated(scene, folder, run_name, address, terminal);
   if (!result.summary_json.empty() && !fs::exists(folder.summary()))  // else it came with the record
     std::ofstream(folder.summary()) << result.summary_json;
   try {
@@ -144,6 +162,8 @@ int run_command(const RunOptions& options) {
   } catch (const std::exception& e) {  // the disk that ended the run
     terminal.note(fmt::format("warning: the record does not say how the run ended: {}", e.what()));
   }
+  if (const std::string kept = describe_record(scene, folder); result.exit_code != kDone && !kept.empty())
+    result.message += (result.message.find('\n') == std::string::npos ? "; " : "\n") + kept;
   print_result(result, folder, options.quiet, terminal);
   return result.exit_code;
 }

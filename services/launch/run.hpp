@@ -54,6 +54,9 @@ struct RunFolder {
   std::filesystem::path log(const std::string& participant) const { return logs() / (participant + ".log"); }
 };
 
+/// The sentence about a run that ended early. @param reason  as the coordinator says it
+std::string describe_early_end(int exit_code, const std::string& reason);
+
 /// Whether this host can listen and publish where the scene says, or `address` if that is given.
 /// @throws scene::SceneError; std::runtime_error if somebody else listens there at present
 void check_addresses(const scene::Scene& scene, const std::string& address = {});

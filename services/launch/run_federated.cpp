@@ -43,7 +43,7 @@ RunResult run_federated(const scene::Scene& scene, const RunFolder& folder, cons
   plan.coordinator = {"coordinator",
                       {find_program_folder() / "interply-coordinator", "--bind",
                        is_private ? make_private_address(address, run_name) : address, "--scene", folder.scene(),
-                       "--scene-digest", mechanics::to_hex(scene.digest), "--run", run_name}};
+                       "--scene-digest", mechanics::to_hex(scene.digest), "--run", run_name, "--for-launcher"}};
   plan.others = [&](const std::string& bound) { return list_others(scene, folder, bound); };
   plan.logs = folder.logs();
   plan.startup_deadline = scene.exchange.startup_deadline;

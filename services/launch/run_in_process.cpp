@@ -23,7 +23,7 @@ namespace {
 /// are started later do not receive these signals.
 class SignalWatch {
  public:
-  explicit SignalWatch(std::function<void()> cancel) : cancel_(std::move(cancel)) {
+  explicit SignalWatch(std::function<void(int signal)> cancel) : cancel_(std::move(cancel)) {
     handled_ = process::list_end_signals();
     pthread_sigmask(SIG_BLOCK, &handled_, &old_mask_);
     thread_ = std::thread([this] { wait(); });
@@ -44,10 +44,10 @@ class SignalWatch {
       sigwait(&handled_, &signal);
       if (done_) return;
       if (count > 0) std::_Exit(kCancelled);
-      cancel_();
+      cancel_(signal);
     }
   }
-  std::function<void()> cancel_;
+  std::function<void(int signal)> cancel_;
   sigset_t handled_{}, old_mask_{};
   std::atomic<bool> done_ = false;
   std::thread thread_;
@@ -151,7 +151,7 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
   };
 
   exchange::InProcessHub hub(scene.digest, list_expected(scene));
-  const SignalWatch watch([&] { hub.coordinator().cancel("interrupted"); });
+  const SignalWatch watch([&](int signal) { hub.coordinator().cancel(process::describe_request(signal)); });
   coordinator::Outcome outcome;
   {
     std::vector<std::jthread> layers;
@@ -170,7 +170,9 @@ RunResult run_in_process(const scene::Scene& scene, const RunFolder& folder, con
     outcome.exit_code = kFailed;
     outcome.message = sink->failure();
   }
-  return {outcome.exit_code, outcome.message, outcome.summary, outcome.digest, outcome.summary_json};
+  const bool done = outcome.exit_code == kDone;
+  return {outcome.exit_code, done ? "" : describe_early_end(outcome.exit_code, outcome.message), outcome.summary,
+          outcome.digest, outcome.summary_json};
 }
 
 }  // namespace interply::launch

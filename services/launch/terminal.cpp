@@ -3,20 +3,34 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <cctype>
+
 namespace interply::launch {
 namespace {
 
 constexpr std::chrono::milliseconds kOnTerminal{400};
 constexpr std::chrono::seconds kInLog{5};
 
-/// Keeps an overwritten line on one row.
-std::string cut_to_width(const std::string& text, int descriptor) {
+/// Columns of an overwritten line, which must stay on one row.
+std::size_t find_columns(int descriptor) {
   winsize size{};
   const bool known = ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-  return text.substr(0, known ? size.ws_col - 1u : 120u);
+  return known ? size.ws_col - 1u : 120u;
 }
 
+// The cursor rests at the beginning of the progress: in a terminal that has become narrower meanwhile and has broken
+// the line into several, "down to the end of the screen" is the whole of it.
+constexpr const char* kErase = "\r\x1b[J";
+
 }  // namespace
+
+std::string fit_items(const std::string& text, std::size_t columns) {
+  if (text.size() <= columns) return text;
+  std::size_t end = 0;
+  for (std::size_t at = 0; (at = text.find("  ", at)) != text.npos && at <= columns; ++at)
+    if (at + 2 < text.size() && std::isalpha(static_cast<unsigned char>(text[at + 2])) != 0) end = at;
+  return text.substr(0, end > 0 ? end : columns);
+}
 
 Terminal::Terminal(std::FILE* out, bool quiet) : out_(out), quiet_(quiet), overwrite_(isatty(fileno(out)) != 0) {}
 
@@ -27,8 +41,8 @@ void Terminal::show_progress(const std::string& text) {
   if (now < next_) return;
   if (overwrite_) {
     next_ = now + kOnTerminal;
-    shown_ = cut_to_width(text, fileno(out_));
-    std::fprintf(out_, "\r%s\x1b[K", shown_.c_str());
+    shown_ = fit_items(text, find_columns(fileno(out_)));
+    std::fprintf(out_, "%s%s\r", kErase, shown_.c_str());
   } else {
     next_ = now + kInLog;
     shown_ = text;
@@ -38,7 +52,7 @@ void Terminal::show_progress(const std::string& text) {
 }
 
 void Terminal::clear_progress() {
-  if (overwrite_ && !shown_.empty()) std::fputs("\r\x1b[K", out_);
+  if (overwrite_ && !shown_.empty()) std::fputs(kErase, out_);
   shown_.clear();
 }
 
@@ -57,6 +71,12 @@ void Terminal::end_progress() {
   if (overwrite_ || latest_ != shown_) print(latest_);
   latest_.clear();
   shown_.clear();
+}
+
+void Terminal::pause() {
+  clear_progress();
+  std::fflush(out_);
+  next_ = {};
 }
 
 }  // namespace interply::launch

@@ -26,12 +26,24 @@ void end_within(double seconds, int exit_code) {
 sigset_t list_end_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction before {};
-    ::sigaction(signal, nullptr, &before);
-    if (signal != SIGHUP || before.sa_handler != SIG_IGN) sigaddset(&signals, signal);
-  }
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (signal != SIGHUP || !is_ignored(SIGHUP)) sigaddset(&signals, signal);
   return signals;
+}
+
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  ::sigaction(signal, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
+
+void stop_this_process() {
+  sigset_t only, before;
+  sigemptyset(&only);
+  sigaddset(&only, SIGTSTP);
+  ::raise(SIGTSTP);  // waits until it is let through, for this thread
+  pthread_sigmask(SIG_UNBLOCK, &only, &before);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 void end_at_once_by_signals(int exit_code) {
@@ -41,6 +53,8 @@ void end_at_once_by_signals(int exit_code) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     if (sigismember(&signals, signal) == 1) std::signal(signal, [](int) { ::_exit(code); });
 }
+
+std::string describe_request(int signal) { return std::string("interrupted by SIG") + sigabbrev_np(signal); }
 
 struct EndRequests::Parts {
   const int exit_code;
@@ -58,7 +72,7 @@ struct EndRequests::Parts {
       end_within(kGrace, exit_code);
       const bool orphaned = signal == SIGTERM && ::getppid() != launcher;
       const std::lock_guard lock(mutex);
-      why = orphaned ? "the launcher has died" : std::string("interrupted by SIG") + sigabbrev_np(signal);
+      why = orphaned ? "the launcher has died" : describe_request(signal);
       if (told) told(*why);
     }
   }

@@ -10,15 +10,25 @@ namespace interply::process {
 /// Seconds that a process has to end once it was asked to, or once its work is done.
 inline constexpr double kGrace = 1.7;
 
-/// From now on the process ends with this exit code when `seconds` have passed, whatever its threads and libraries still
-/// wait for. The first call of a process decides.
+/// From now on the process ends with this exit code when `seconds` have passed, whatever its threads and libraries
+/// still wait for. The first call of a process decides.
 void end_within(double seconds, int exit_code);
 
 /// SIGINT, SIGTERM and SIGHUP, the last unless it was ignored when the process began (nohup).
 sigset_t list_end_signals();
 
+/// Whether this process was started to take no notice of the signal, or has chosen so.
+bool is_ignored(int signal);
+
+/// What SIGTSTP (Ctrl-Z) does by default, for a process that takes it otherwise: stopped until it is continued; not at
+/// all where no shell could continue it (an orphaned process group, as of the first process of a container).
+void stop_this_process();
+
 /// While nothing has been started yet: these signals end the process at once, with this exit code.
 void end_at_once_by_signals(int exit_code);
+
+/// "interrupted by SIGINT"
+std::string describe_request(int signal);
 
 /// Takes the signals of list_end_signals(). The first one is told
 /// to whoever wants to know and ends the process within kGrace; the second ends it at once. For the start of main():

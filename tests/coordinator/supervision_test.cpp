@@ -254,15 +254,20 @@ TEST(Supervision, CancelEndsTheRunWhereverItIs) {
     const scene::Scene scene = make_scene();
     ScriptedLink link(scene);
     link.everyone_joins_and_moves();
-    if (steps < 0) link.cancel("interrupted");
+    if (steps < 0) link.cancel("interrupted by SIGINT");
     link.on_answer = [&](int who, const exchange::Force& force) {
       link.answer(who, force);
-      if (who == 2 && (force.step == steps || (force.last && steps == 1000000))) link.cancel("interrupted");
+      if (who == 2 && (force.step == steps || (force.last && steps == 1000000))) link.cancel("interrupted by SIGINT");
     };
     ScriptedRun run;
     run.run(scene, link);
     expect_stopped(run, link, 5, StopReason::Cancelled, "cancelled");
-    EXPECT_EQ(run.outcome.message, "interrupted");
+    if (steps < 0)
+      EXPECT_EQ(run.outcome.message, "the run was cancelled before the first step (interrupted by SIGINT)");
+    else
+      EXPECT_THAT(run.outcome.message,
+                  testing::MatchesRegex("the run was cancelled at step [0-9]+, 0\\.0[0-9]+ ms, stroke 0\\.0 mm "
+                                        "\\(interrupted by SIGINT\\)"));
   }
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class ByHand : public testing::Test {
  protected:
@@ -20,9 +21,9 @@ class ByHand : public testing::Test {
                                    run_};
     words.insert(words.end(), more.begin(), more.end());
     coordinator_ = std::make_unique<Program>("interply-coordinator", words, folder_.path());
-    ASSERT_TRUE(coordinator_->wait_for_words("bound ")) << coordinator_->said();
+    ASSERT_TRUE(coordinator_->wait_for_words("listening at ")) << coordinator_->said();
     const auto& said = coordinator_->said();
-    const auto begin = said.find("bound ") + 6;
+    const auto begin = said.find("listening at ") + 13;
     address_ = said.substr(begin, said.find('\n', begin) - begin);
   }
   std::unique_ptr<Program> start_solver(const std::string& kind, const std::string& layer) {
@@ -49,7 +50,8 @@ TEST_F(ByHand, ARunNeedsAddressAndLayerOnly) {
   EXPECT_EQ(recorder.wait(), 0) << recorder.said();
   const record::RecordReader record(folder_.path() / "record.h5");
   EXPECT_EQ(record.read_text("status"), "done");
-  EXPECT_THAT(coordinator_->said(), HasSubstr("@digest " + record.read_text("digest")));
+  EXPECT_EQ(coordinator_->last_line(), "digest " + record.read_text("digest"));
+  EXPECT_THAT(coordinator_->said(), AllOf(HasSubstr("energy residual"), Not(HasSubstr("@")), Not(HasSubstr("{"))));
 }
 
 TEST_F(ByHand, AMissingParticipantIsNamedAtTheStartUpDeadline) {
@@ -59,6 +61,26 @@ TEST_F(ByHand, AMissingParticipantIsNamedAtTheStartUpDeadline) {
   EXPECT_THAT(coordinator_->said(), AllOf(HasSubstr("joined ply_2; missing "),
                                           testing::ContainsRegex("missing .*sheet_lower.*ply_1.*ply_3.*sheet_upper")));
   EXPECT_EQ(solver->wait(), 4) << solver->said();
+}
+
+TEST_F(ByHand, ACancelledRunSaysWhenAndHowManyFramesAreKept) {
+  start_coordinator({"--set", "motion.forming_time=1", "--set", "record.frames=1000"});
+  Program recorder("interply-recorder", {"--connect", address_, "--out", folder_.path()}, folder_.path());
+  std::vector<std::unique_ptr<Program>> solvers;
+  for (const auto* ply : {"ply_3", "ply_1", "ply_2"}) solvers.push_back(start_solver("fabric", ply));
+  for (const auto* sheet : {"sheet_upper", "sheet_lower"}) solvers.push_back(start_solver("metal", sheet));
+  ASSERT_TRUE(coordinator_->wait_until([&] { return is_under_way(folder_.path()); })) << coordinator_->said();
+  ASSERT_TRUE(coordinator_->wait_for_words("stroke ")) << coordinator_->said();
+  coordinator_->send_signal(SIGTERM);
+  EXPECT_EQ(coordinator_->wait(), 5) << coordinator_->said();
+  EXPECT_THAT(coordinator_->last_line(),
+              testing::MatchesRegex("the run was cancelled at step [0-9]+, [0-9.]+ ms, stroke 0\\.0 mm "
+                                    "\\(interrupted by SIGTERM\\); the record holds [0-9]+ of 1001 frames"));
+  for (auto& solver : solvers) EXPECT_EQ(solver->wait(), 5) << solver->said();
+  EXPECT_EQ(recorder.wait(), 0) << recorder.said();
+  const record::RecordReader record(folder_.path() / "record.h5");
+  EXPECT_THAT(coordinator_->last_line(),
+              HasSubstr("holds " + std::to_string(record.frames_complete()) + " of 1001 frames"));
 }
 
 TEST_F(ByHand, AWrongSolverAndADuplicateAreRefusedAndTheRunGoesOn) {

@@ -1,4 +1,5 @@
 /// `interply run` with real processes: same bits as in one process, and what it leaves when a person stops it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <regex>
@@ -100,6 +101,11 @@ TEST_P(Interrupt, LeavesAValidRecordAndNoProcess) {
   const record::RecordReader record(folder_.path() / "out/record.h5");
   EXPECT_EQ(record.read_text("status"), "cancelled");
   EXPECT_GE(record.frames_complete(), 2);
+  const std::string message = record.read_text("message");
+  EXPECT_THAT(message, testing::MatchesRegex("the run was cancelled at step [0-9]+, [0-9.]+ ms, stroke 0\\.0 mm "
+                                             "\\(interrupted by SIGINT\\)"));
+  EXPECT_THAT(program.said(), HasSubstr(fmt::format("interply: {}; the record holds {} of 1001 frames\n", message,
+                                                    record.frames_complete())));
 }
 
 INSTANTIATE_TEST_SUITE_P(OfBoth, Interrupt,
@@ -114,8 +120,13 @@ TEST_F(FederatedRun, ADivergingRunSaysWhyAndKeepsAValidRecord) {
     if (in_process) words.push_back("--in-process");
     Program program("interply", words, folder_.path());
     EXPECT_EQ(program.wait(), 3) << program.said();
-    EXPECT_THAT(program.said(), HasSubstr("energy"));
-    EXPECT_EQ(record::RecordReader(folder_.path() / out / "record.h5").read_text("status"), "diverged");
+    const record::RecordReader record(folder_.path() / out / "record.h5");
+    EXPECT_EQ(record.read_text("status"), "diverged");
+    const std::string message = record.read_text("message"), said = program.said();
+    EXPECT_THAT(message, HasSubstr("energy residual"));
+    EXPECT_EQ(said.find(message), said.rfind(message)) << "once: " << said;
+    EXPECT_THAT(said, HasSubstr(fmt::format("interply: the mechanics diverged: {}; the record holds {} of 5 frames\n",
+                                            message, record.frames_complete())));
   }
 }
 

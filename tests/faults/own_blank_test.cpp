@@ -63,8 +63,8 @@ TEST_F(OwnBlank, ASolverThatReadsAnotherFileLeavesTheRunWithItsReason) {
                       {"--bind", "tcp://127.0.0.1:*", "--scene", folder_.path() / "own_blank.yaml", "--run",
                        "own_blank_" + std::to_string(getpid()), "--set", "record.frames=0"},
                       folder_.path());
-  ASSERT_TRUE(coordinator.wait_for_words("bound ")) << coordinator.said();
-  const auto begin = coordinator.said().find("bound ") + 6;
+  ASSERT_TRUE(coordinator.wait_for_words("listening at ")) << coordinator.said();
+  const auto begin = coordinator.said().find("listening at ") + 13;
   const std::string address = coordinator.said().substr(begin, coordinator.said().find('\n', begin) - begin);
   Program first("interply-solver-metal", {"--connect", address, "--layer", "sheet_lower"}, folder_.path());
   ASSERT_TRUE(coordinator.wait_for_words("sheet_lower joined")) << coordinator.said();  // it has read its files

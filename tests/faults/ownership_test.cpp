@@ -140,7 +140,7 @@ TEST_F(Ownership, ACoordinatorComputesTheSceneThatItsLauncherMeant) {
                        "0123456789abcdef"},
                       folder_.path());
   EXPECT_EQ(coordinator.wait(), 2) << coordinator.said();
-  EXPECT_THAT(coordinator.said(), AllOf(HasSubstr("is not the scene"), Not(HasSubstr("bound "))));
+  EXPECT_THAT(coordinator.said(), AllOf(HasSubstr("is not the scene"), Not(HasSubstr("listening"))));
 }
 
 TEST_F(Ownership, WhatARunWritesIsTheUsersAlone) {
@@ -185,7 +185,7 @@ TEST_P(Lone, ASolverWithoutACoordinatorObeys) {
 TEST_P(Lone, ACoordinatorWithoutAnyoneObeysAndLeavesNoSocket) {
   const fs::path link = folder_.path() / "link";
   Program coordinator("interply-coordinator", {"--bind", "shm://" + link.string(), "--scene", scene()}, folder_.path());
-  ASSERT_TRUE(coordinator.wait_for_words("bound ")) << coordinator.said();
+  ASSERT_TRUE(coordinator.wait_for_words("listening at ")) << coordinator.said();
   const auto start = std::chrono::steady_clock::now();
   coordinator.send_signal(GetParam());
   EXPECT_EQ(coordinator.wait(), 5) << coordinator.said();
