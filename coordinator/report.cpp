@@ -94,6 +94,19 @@ std::string describe_outside(const std::string& layer, const summary::OutsideTru
       o.worst().value(), o.worst().unit(), o.x().value(), o.y().value(), o.meaning());
 }
 
+/// One line, or as many as it takes to keep within 80 columns: what does not fit goes on below the first item.
+void add_items(const std::string& head, const std::vector<std::string>& items, std::string& text) {
+  std::string line = head;
+  for (const std::string& item : items) {
+    if (line.size() > head.size() && line.size() + 2 + item.size() > 80) {
+      text += line + '\n';
+      line.assign(head.size(), ' ');
+    }
+    line += "  " + item;
+  }
+  text += line + '\n';
+}
+
 std::string format_time(double seconds) {
   const long s = std::lround(seconds);
   return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
@@ -163,13 +176,16 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
     set(s.mutable_penetration()->mutable_percentile_99(), 100 * forming.penetration_99(), "%");
     set(s.mutable_penetration()->mutable_peak(), 100 * forming.penetration_peak(), "%");
   }
-  for (const std::string& sentence : list_untouched(scene, forming.touched(), pace.step())) s.add_warnings(sentence);
-  if (forming.penetration_peak() > 1)
-    s.add_warnings(
-        "a layer or tool has gone through another; raise contact.reference_pressure or lengthen motion.forming_time");
   for (const summary::Layer& layer : s.layers())
     for (const summary::OutsideTrust& passed : layer.outside_trust())
       s.add_warnings(describe_outside(layer.name(), passed));
+  if (const Inertia& inertia = forming.inertia(); inertia.work > 0) {
+    set(s.mutable_inertia()->mutable_share(), 100 * inertia.kinetic / inertia.work, "%");
+    set(s.mutable_inertia()->mutable_kinetic(), inertia.kinetic, "mJ");
+    set(s.mutable_inertia()->mutable_work(), inertia.work, "mJ");
+    set(s.mutable_inertia()->mutable_time(), 1e3 * inertia.time, "ms");
+  }
+  judge(scene, list_untouched(scene, forming.touched(), pace.step()), s);
   return s;
 }
 
@@ -180,46 +196,42 @@ std::string format_text(const summary::Summary& s) {
                  s.stroke().value(), s.time().value(), s.steps().value(), format_time(s.wall_time().value()),
                  1e-6 * s.element_steps_per_second().value());
   for (const summary::Layer& layer : s.layers()) {
-    fmt::format_to(out, "  {:<12} {:<6}", layer.name(), layer.kind());
+    std::vector<std::string> items;
     for (const summary::Item& item : layer.items())
-      fmt::format_to(out, "  {} {:.3g}{}", item.name(), item.quantity().value(),
-                     item.quantity().unit() == "-" ? "" : " " + item.quantity().unit());
-    text += '\n';
-  }
-  fmt::format_to(out, "  draw-in at -x, +x, +y, largest of the rim (mm):");
-  const char* comma = "";
-  for (const summary::Layer& layer : s.layers()) {
+      items.push_back(fmt::format("{} {:.3g}{}", item.name(), item.quantity().value(),
+                                  item.quantity().unit() == "-" ? "" : " " + item.quantity().unit()));
     const summary::DrawIn& d = layer.draw_in();
-    fmt::format_to(out, "{} {} {:.1f} {:.1f} {:.1f} {:.1f}", std::exchange(comma, ","), layer.name(),
-                   d.minus_x().value(), d.plus_x().value(), d.plus_y().value(), d.largest().value());
+    items.push_back(fmt::format("draw-in at -x, +x, +y {:.1f} {:.1f} {:.1f} mm", d.minus_x().value(),
+                                d.plus_x().value(), d.plus_y().value()));
+    items.push_back(fmt::format("of the rim up to {:.1f} mm", d.largest().value()));
+    add_items(fmt::format("  {:<12} {:<6}", layer.name(), layer.kind()), items, text);
   }
-  text += '\n';
   if (s.has_punch_force())
     fmt::format_to(out, "  punch force {:.3f} kN ({})\n", s.punch_force().value(), s.modelled_part());
   const summary::BlankHolder& holder = s.blank_holder();
-  fmt::format_to(out, "  blank-holder force {:.3f} kN ({}), target {:.3f} kN", holder.force().value(),
-                 s.modelled_part(), holder.target().value());
+  std::vector<std::string> force{fmt::format("{:.3f} kN ({}), target {:.3f} kN", holder.force().value(),
+                                             s.modelled_part(), holder.target().value())};
   if (holder.has_mean_deviation())
-    fmt::format_to(out, "; after the ramp mean {:+.2f} %, largest deviation {:.2f} %", holder.mean_deviation().value(),
-                   holder.largest_deviation().value());
-  text += '\n';
+    force.push_back(fmt::format("after the ramp mean {:+.2f} %, largest deviation {:.2f} %",
+                                holder.mean_deviation().value(), holder.largest_deviation().value()));
+  add_items("  blank-holder force", force, text);
   const summary::Energy& e = s.energy();
-  fmt::format_to(out,
-                 "  energy (mJ): external {:.5g} + thinning {:.3g} = internal {:.5g} + kinetic {:.3g} + contact {:.3g} "
-                 "+ friction {:.5g} + damping {:.3g}\n  energy residual {:.3g} %, largest of all steps {:.3g} %\n",
-                 e.external().value(), e.thinning().value(), e.internal().value(), e.kinetic().value(),
-                 e.contact().value(), e.friction().value(), e.damping().value(), e.residual().value(),
+  add_items("  energy (mJ)",
+            {fmt::format("external {:.5g} + thinning {:.3g} =", e.external().value(), e.thinning().value()),
+             fmt::format("internal {:.5g} + kinetic {:.3g} + contact {:.3g}", e.internal().value(), e.kinetic().value(),
+                         e.contact().value()),
+             fmt::format("+ friction {:.5g} + damping {:.3g}", e.friction().value(), e.damping().value())},
+            text);
+  fmt::format_to(out, "  energy residual {:.3g} %, largest of all steps {:.3g} %\n", e.residual().value(),
                  e.largest_residual().value());
-  text += "  kinetic/internal energy:";
-  for (const summary::Layer& layer : s.layers())
-    fmt::format_to(out, " {} {:.2g} %", layer.name(), layer.kinetic_to_internal().value());
-  text += '\n';
   if (s.has_penetration())
-    fmt::format_to(out,
-                   "  penetration, worst frame: 99 % of the contact area below {:.2f} %, peak {:.2f} % of the "
-                   "thinner layer\n",
+    fmt::format_to(out, "  penetration, worst frame: {:.2f} % (99 % of the area), peak {:.2f} % of a layer\n",
                    s.penetration().percentile_99().value(), s.penetration().peak().value());
   for (const std::string& warning : s.warnings()) fmt::format_to(out, "  warning: {}\n", warning);
+  for (const summary::Verdict& verdict : s.verdicts()) {
+    const char* state[] = {"fine: ", "", "not judged: "};
+    fmt::format_to(out, "  {:<12} {}{}\n", verdict.name(), state[verdict.state()], verdict.sentence());
+  }
   return text;
 }
 

@@ -16,9 +16,9 @@ Forming::Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, obs
       pace_(scene),
       holder_(scene.tools.blank_holder, stack_.flange_area(), scene.tools.blank_holder.mass_ratio * stack_.mass(),
               stack_.stiffness()),
-      scale_(compute_least_scale(
-          stack_.mass(), stack_.punch() ? kSteepest * scene.motion.stroke / scene.motion.forming_time : 0,
-          scene.tools.blank_holder.pressure * stack_.flange_area(), stack_.stiffness())),
+      scale_(compute_least_scale(stack_.mass(),
+                                 stack_.punch() ? kSteepest * scene.motion.stroke / scene.motion.forming_time : 0,
+                                 scene.tools.blank_holder.pressure * stack_.flange_area(), stack_.stiffness())),
       layer_energies_(scene.layers.size()),
       forces_(scene.layers.size()),
       step_sums_(scene.layers.size(), 0.0),
@@ -92,6 +92,8 @@ void Forming::check_balance() {
   scale_ = std::max(scale_, balance_.scale());
   residual_ = balance_.residual() / scale_;
   largest_residual_ = std::max(largest_residual_, std::abs(residual_));
+  if (travel_ > 0 && stack_.punch() && balance_.kinetic > inertia_.kinetic)
+    inertia_ = {.kinetic = balance_.kinetic, .work = balance_.external, .time = pace_.time() - pace_.dt()};
   if (std::abs(residual_) <= scene_.time.energy_limit) return;
   const auto worst = explain_residual(scene_, balance_);
   throw mechanics::Divergence(fmt::format(

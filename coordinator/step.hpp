@@ -14,6 +14,12 @@
 
 namespace interply::coordinator {
 
+/// Where the kinetic energy was largest while the punch moved, and the work that the tools had done by then.
+struct Inertia {
+  double kinetic = 0, work = 0;  ///< mJ
+  double time = 0;               ///< s
+};
+
 class Forming {
  public:
   Forming(const scene::Scene& scene, exchange::CoordinatorLink& link, observe::Sink& sink);
@@ -40,6 +46,7 @@ class Forming {
   const EnergyBalance& balance() const { return balance_; }  ///< of the last step with known layer energies
   double residual() const { return residual_; }              ///< residual / scale, the same step
   double largest_residual() const { return largest_residual_; }
+  const Inertia& inertia() const { return inertia_; }
   int lost() const { return lost_; }
   /// Where and when layers were first pressed past each other's midsurfaces, where a pair has no meaning; empty:
   /// nowhere.
@@ -82,6 +89,7 @@ class Forming {
   std::vector<exchange::Force> forces_;
   CoordinatorEnergies energies_;  ///< at step n - 1 until finish_step()
   EnergyBalance balance_;
+  Inertia inertia_;
   double travel_ = 0, old_punch_force_ = 0, residual_ = 0, largest_residual_ = 0;
   double holder_deviation_ = 0, holder_impulse_ = 0, holder_time_ = 0;
   double penetration_99_ = 0, penetration_peak_ = 0;
