@@ -201,9 +201,8 @@ std::string format_text(const summary::Summary& s) {
       items.push_back(fmt::format("{} {:.3g}{}", item.name(), item.quantity().value(),
                                   item.quantity().unit() == "-" ? "" : " " + item.quantity().unit()));
     const summary::DrawIn& d = layer.draw_in();
-    items.push_back(fmt::format("draw-in at -x, +x, +y {:.1f} {:.1f} {:.1f} mm", d.minus_x().value(),
-                                d.plus_x().value(), d.plus_y().value()));
-    items.push_back(fmt::format("of the rim up to {:.1f} mm", d.largest().value()));
+    items.push_back(fmt::format("draw-in at -x, +x, +y {:.1f} {:.1f} {:.1f}, rim up to {:.1f} mm", d.minus_x().value(),
+                                d.plus_x().value(), d.plus_y().value(), d.largest().value()));
     add_items(fmt::format("  {:<12} {:<6}", layer.name(), layer.kind()), items, text);
   }
   if (s.has_punch_force())
@@ -228,6 +227,7 @@ std::string format_text(const summary::Summary& s) {
     fmt::format_to(out, "  penetration, worst frame: {:.2f} % (99 % of the area), peak {:.2f} % of a layer\n",
                    s.penetration().percentile_99().value(), s.penetration().peak().value());
   for (const std::string& warning : s.warnings()) fmt::format_to(out, "  warning: {}\n", warning);
+  text += '\n';
   for (const summary::Verdict& verdict : s.verdicts()) {
     const char* state[] = {"fine: ", "", "not judged: "};
     fmt::format_to(out, "  {:<12} {}{}\n", verdict.name(), state[verdict.state()], verdict.sentence());

@@ -171,7 +171,7 @@ TEST(Summary, NamesEveryLayerWithItsNumbersForcesEnergiesAndPenetration) {
   });
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.message;
   for (const auto* part : {"flat_stack", "sheet_lower", "ply_2", "fabric", "metal", "shear angle up to 14.5 deg",
-                           "count 3", "draw-in at -x, +x, +y 0.0 0.0 0.0 mm", "of the rim up to 0.0 mm\n",
+                           "count 3", "draw-in at -x, +x, +y 0.0 0.0 0.0, rim up to 0.0 mm\n",
                            "punch force 0.000 kN (half model)", "target 61.253 kN", "energy (mJ)", "penetration"})
     EXPECT_THAT(run.outcome.summary, HasSubstr(part));
   EXPECT_THAT(run.outcome.summary, Not(HasSubstr("digest")));
