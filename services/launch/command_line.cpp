@@ -223,6 +223,10 @@ int run_command_line(int argc, char** argv) {
     for (auto* part : command->get_subcommands(nullptr)) part->allow_extras();
   }
 
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return kRefused;
+  }
   if (const auto problem = find_unknown_command(app, argc, argv); !problem.empty()) return refuse(problem);
   try {
     app.parse(argc, argv);

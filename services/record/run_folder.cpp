@@ -12,6 +12,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -86,7 +87,8 @@ int open_lock(const fs::path& file) {
 
 /// The file may have been removed by its last owner between open and lock.
 bool is_still_there(int descriptor, const fs::path& file) {
-  struct stat ours {}, there {};
+  struct stat ours {
+  }, there{};
   return ::fstat(descriptor, &ours) == 0 && ::lstat(file.c_str(), &there) == 0 && ours.st_dev == there.st_dev &&
          ours.st_ino == there.st_ino;
 }
@@ -112,7 +114,11 @@ FolderLock::FolderLock(const fs::path& folder, const std::string& purpose) : fil
   for (fs::path part; const fs::path& name : folder)
     if (part /= name; fs::exists(part) && !fs::is_directory(part))
       throw FolderRefused(fmt::format("{} is a file, not a folder, and stays: choose another --out", part.string()));
-  fs::create_directories(folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error(
+        fmt::format("cannot make the folder {}: {}; choose another --out", folder.string(), error.message()));
   for (;;) {
     descriptor_ = open_lock(file_);
     const std::string said = read_start(file_, 1024);
@@ -168,13 +174,13 @@ void check_room_for(const std::vector<fs::path>& files, bool overwrite) {
   const auto is_there = [](const fs::path& file) { return fs::exists(fs::symlink_status(file)); };
   for (const fs::path& file : files)
     if (is_there(file) && !was_written_by_a_run(file))
-      throw FolderRefused(
-          fmt::format("{} is in the way: no run wrote it, or it was changed since; choose another --out, or move it away",
-                      file.string()));
+      throw FolderRefused(fmt::format(
+          "{} is in the way: no run wrote it, or it was changed since; choose another --out, or move it away",
+          file.string()));
   const auto first = std::find_if(files.begin(), files.end(), is_there);
   if (first != files.end() && !overwrite)
-    throw FolderRefused(fmt::format("{} is there from an earlier run: choose another --out, or say --overwrite",
-                                    first->string()));
+    throw FolderRefused(
+        fmt::format("{} is there from an earlier run: choose another --out, or say --overwrite", first->string()));
 }
 
 void make_room_for(const std::vector<fs::path>& files) {

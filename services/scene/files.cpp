@@ -66,7 +66,14 @@ auto read_unchanged(const File& file, const std::string& path, Read read) -> dec
 
 std::string read_text(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file)) throw SceneError(file.string() + ": is a folder, not a file");
-  std::ifstream stream(file, std::ios::binary);
+  if (!std::filesystem::exists(file) || std::filesystem::is_regular_file(file)) {
+    try {
+      return geometry::read_file(file.string());
+    } catch (const geometry::Unreadable& error) {
+      throw SceneError(error.what());
+    }
+  }
+  std::ifstream stream(file, std::ios::binary);  // a pipe, such as <(...)
   if (!stream) throw SceneError(file.string() + ": cannot be opened");
   return {std::istreambuf_iterator<char>(stream), {}};
 }

@@ -2,6 +2,8 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
+
 #include "geometry/stl.hpp"
 #include "scene/check.hpp"
 #include "scene/compose.hpp"
@@ -83,6 +85,8 @@ Law parse_law(const std::string& text, const std::string& origin, const std::vec
   const std::filesystem::path folder = std::filesystem::path(origin).parent_path();
   Value root = parse_yaml(text, origin, report);
   drop_anchors(root);
+  if (std::find(root.keys.begin(), root.keys.end(), "layers") != root.keys.end())
+    throw SceneError(origin + ": is a scene; a law file holds the `law` block of one layer, such as  j2: {}");
   const bool wrapped = root.keys.size() == 1 && root.keys[0] == "law";
   Value& block = wrapped ? root.items[0] : root;
   const std::string path = wrapped ? "law" : "";

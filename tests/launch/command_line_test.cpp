@@ -50,6 +50,12 @@ TEST(CommandLine, HelpOfEachCommandShowsAnExample) {
   }
 }
 
+TEST(CommandLine, WithoutAWordShowsTheHelpAndIsRefused) {
+  const auto said = say({});
+  EXPECT_EQ(said.exit_code, kRefused);
+  EXPECT_EQ(said.error, say({"--help"}).out);
+}
+
 /// A name that is near is proposed, and nothing that is not: then the names are listed.
 TEST(CommandLine, UnknownWordsAreRefusedWithWhatWasMeant) {
   const std::string commands = "known: run, check, init, schema, point, bench";

@@ -57,6 +57,12 @@ TEST_F(RunFolderTest, IsTakenByOneRunAtATimeWhoIsNamed) {
   EXPECT_NO_THROW(prepare_folder(scene_, out_, true)) << "it is free again";
 }
 
+TEST_F(RunFolderTest, ThatCannotBeMadeIsNamed) {
+  EXPECT_THAT([&] { prepare_folder(scene_, "/proc/no/folder", false); },
+              testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
+                  HasSubstr("cannot make the folder /proc/no/folder: "), HasSubstr("choose another --out"))));
+}
+
 TEST_F(RunFolderTest, OfSeveralWhoComeAtOnceOneGetsIt) {
   for (int round = 0; round < 20; ++round) {
     std::atomic<int> winners = 0, arrived = 0;

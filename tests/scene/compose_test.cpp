@@ -102,11 +102,11 @@ TEST_F(Compose, WhatCannotBeIsSaidOnceWithItsPlace) {
   write("scene.yaml", with("law: {j2: {}}", "law: {file: laws/stel.yaml}"));
   const std::string said = refuse({"motion.stroke=1"});
   EXPECT_THAT(said, HasSubstr("scene.yaml:6: layers[0].law.file: " + (folder_ / "laws/stel.yaml").string() +
-                              ": cannot be opened"));
-  EXPECT_EQ(said.find("cannot be opened"), said.rfind("cannot be opened"));
+                              ": there is no such file"));
+  EXPECT_EQ(said.find("there is no such file"), said.rfind("there is no such file"));
   write("scene.yaml", kSmallScene);
   EXPECT_EQ(refuse({"layers.ply_1.law.file=none.yaml"}), "--set layers.ply_1.law.file=none.yaml: layers[1].law.file: " +
-                                                             (folder_ / "none.yaml").string() + ": cannot be opened");
+                                                             (folder_ / "none.yaml").string() + ": there is no such file");
   write("scene.yaml", with("law: {j2: {}}", "law: {file: laws/steel.yaml, j2: {}}"));
   EXPECT_THAT(refuse(), HasSubstr("layers[0].law: holds j2, file; keep one of them"));
   write("laws/bad.yaml", "j2: {yung: 1}\n");
@@ -119,7 +119,7 @@ TEST_F(Compose, WhatCannotBeIsSaidOnceWithItsPlace) {
   write("over.yaml", "layers: {ply_2: {thickness: 1}}\n");
   EXPECT_THAT(refuse({}, {folder_ / "over.yaml"}),
               HasSubstr("over.yaml:1: layers: holds no item named 'ply_2'; did you mean 'ply_1'?"));
-  EXPECT_THAT(refuse({}, {folder_ / "none.yaml"}), HasSubstr("none.yaml: cannot be opened"));
+  EXPECT_THAT(refuse({}, {folder_ / "none.yaml"}), HasSubstr("none.yaml: there is no such file"));
 }
 
 }  // namespace

@@ -278,7 +278,7 @@ TEST(SceneErrors, UnreadableFileIsNamed) {
     read_scene("no_such_scene.yaml");
     FAIL();
   } catch (const SceneError& error) {
-    EXPECT_STREQ(error.what(), "no_such_scene.yaml: cannot be opened");
+    EXPECT_STREQ(error.what(), "no_such_scene.yaml: there is no such file");
   }
 }
 

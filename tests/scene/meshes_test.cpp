@@ -116,7 +116,8 @@ TEST_F(BlankFiles, ARectangleAndAMeshExcludeEachOther) {
 
 TEST_F(BlankFiles, UnusableOnesAreRefusedInOneSentence) {
   const std::string at = in_folder("scene.yaml") + ":1: blank.mesh.file: ";
-  EXPECT_EQ(refuse("{mesh: {file: haf.inp}}"), at + in_folder("haf.inp") + ": there is no such file");
+  EXPECT_EQ(refuse("{mesh: {file: haf.inp}}"),
+            at + in_folder("haf.inp") + ": there is no such file; did you mean 'half.inp'?");
   EXPECT_EQ(refuse("{mesh: {file: half.inp, set: al}}"),
             at + in_folder("half.inp") + ": has no element set 'al'; did you mean 'all'?");
   EXPECT_EQ(

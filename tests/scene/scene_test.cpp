@@ -45,6 +45,28 @@ std::string refuse_law_file(const std::string& text) {
   return "";
 }
 
+TEST(Law, ASceneInItsPlaceIsCalledOne) {
+  EXPECT_EQ(refuse_law_file(kSmallScene),
+            "interply_law.yaml: is a scene; a law file holds the `law` block of one layer, such as  j2: {}");
+}
+
+TEST(Scene, AMissingFileIsNamedWithANearOne) {
+  const auto refuse = [](const std::filesystem::path& file) {
+    try {
+      read_scene(file);
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::filesystem::path scenes = kSource / "deploy/scenes";
+  EXPECT_EQ(
+      refuse(scenes / "tetrahedron_fm.yaml"),
+      (scenes / "tetrahedron_fm.yaml").string() + ": there is no such file; did you mean 'tetrahedron_fml.yaml'?");
+  EXPECT_EQ(refuse(scenes / "cup.yaml"), (scenes / "cup.yaml").string() + ": there is no such file");
+  EXPECT_THAT(refuse(scenes), HasSubstr("is a folder, not a file"));
+}
+
 TEST(Scene, AbsentKeysTakeTheDefaultsOfTheStructs) {
   const Scene scene = parse_scene("layers: [{name: ply, density: 1e-9, law: {woven: {}}}]", "scene.yaml");
   const WovenLaw& law = std::get<WovenLaw>(scene.layers[0].law);
