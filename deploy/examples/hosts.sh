@@ -19,6 +19,10 @@ hosts=("${@:3}")
 address=${INTERPLY_ADDRESS:-tcp://$(hostname):7100}
 bin=${INTERPLY_BIN:+$INTERPLY_BIN/}
 read -ra remote <<<"${INTERPLY_REMOTE:-ssh -n -o BatchMode=yes}"
+if ! command -v "${bin}interply-coordinator" >/dev/null; then
+  echo "hosts.sh: there is no ${bin}interply-coordinator here; say in INTERPLY_BIN where the programs are" >&2
+  exit 1
+fi
 logs=$out/logs
 mkdir -p "$logs"
 set -m  # a process group for each: Ctrl-C is for this script, which asks the coordinator

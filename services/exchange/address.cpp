@@ -138,10 +138,11 @@ Address parse_address(const std::string& text, AddressUse use) {
   const bool memory = text.starts_with("shm://");
   if (!memory && !text.starts_with("ipc://")) refuse(text, "is not shm://PATH, ipc://PATH or tcp://HOST:PORT");
   Address a{.scheme = memory ? Address::Scheme::Memory : Address::Scheme::Unix, .path = text.substr(6)};
-  if (a.path.empty() || a.path == "@" || a.path == "*") refuse(text, "has no path");
-  if (a.path.find('\0') != std::string::npos) refuse(text, "has a path with a zero in it");
-  if (a.path.size() > kLongestPath)
-    refuse(text, fmt::format("has a path of {} bytes; a socket's path has at most {}", a.path.size(), kLongestPath));
+  const std::string_view path = a.path;
+  if (path.empty() || path == "@" || path == "*") refuse(text, "has no path");
+  if (path.find('\0') != path.npos) refuse(text, "has a path with a zero in it");
+  if (path.size() > kLongestPath)
+    refuse(text, fmt::format("has a path of {} bytes; a socket's path has at most {}", path.size(), kLongestPath));
   return a;
 }
 
@@ -171,14 +172,14 @@ void check_listening(const std::string& text) {
   const Descriptor socket(::socket(at.name.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const int one = 1;
   ::setsockopt(socket.number(), SOL_SOCKET, SO_REUSEADDR, &one, sizeof(one));
-  if (at.name.ss_family == AF_INET6)
-    ::setsockopt(socket.number(), IPPROTO_IPV6, IPV6_V6ONLY, &one, sizeof(one));
+  if (at.name.ss_family == AF_INET6) ::setsockopt(socket.number(), IPPROTO_IPV6, IPV6_V6ONLY, &one, sizeof(one));
   if (socket.number() >= 0 && ::bind(socket.number(), reinterpret_cast<const sockaddr*>(&at.name), at.length) == 0 &&
       ::listen(socket.number(), 1) == 0)
     return;
   if (errno == EADDRINUSE) refuse_occupied(a);
-  refuse(text, fmt::format("is none that this host can listen at ({}); give one of its own addresses, such as 127.0.0.1",
-                           describe_error(errno)));
+  refuse(text,
+         fmt::format("is none that this host can listen at ({}); give one of its own addresses, such as 127.0.0.1",
+                     describe_error(errno)));
 }
 
 UnixListener::UnixListener(const Address& a) {
@@ -189,8 +190,8 @@ UnixListener::UnixListener(const Address& a) {
   if (socket.number() < 0 || ::fchmod(socket.number(), 0600) != 0 ||
       ::bind(socket.number(), name.get(), name.length) != 0) {
     if (errno == EADDRINUSE) refuse_occupied(a);
-    refuse(to_text(a), fmt::format("cannot be listened at: {}; give a path in a folder that you may write",
-                                   describe_error(errno)));
+    refuse(to_text(a),
+           fmt::format("cannot be listened at: {}; give a path in a folder that you may write", describe_error(errno)));
   }
   struct stat bound {};
   if (is_file && ::lstat(a.path.c_str(), &bound) == 0) {

@@ -107,7 +107,7 @@ class Roudi {
         fs::remove(entry.path(), ignored);
     }
     ::shm_unlink("/iceoryx_mgmt");
-    if (const group* own = ::getgrgid(::getegid())) ::shm_unlink(("/" + std::string(own->gr_name)).c_str());
+    if (const group* own = ::getgrgid(::getegid())) ::shm_unlink(fmt::format("/{}", own->gr_name).c_str());
   }
   std::unique_ptr<Child> daemon_;
   std::string why_not_;

@@ -100,7 +100,9 @@ void Federation::start_others(const std::string& bound) {
   if (!coordinator.told_to_end) coordinator.stop_at = Clock::time_point::max();
   if (cause_) return;
   for (const auto& participant : plan_.others(bound)) start(participant);
-  terminal_.note(fmt::format("{} processes, the coordinator listens at {}", processes_.size(), bound));
+  const bool is_private = bound.find("://@interply-") != bound.npos;  // of no use to anybody else
+  terminal_.note(is_private ? fmt::format("{} processes over {}", processes_.size(), bound.substr(0, bound.find(':')))
+                            : fmt::format("{} processes, the coordinator listens at {}", processes_.size(), bound));
 }
 
 bool Federation::anyone_running() const {

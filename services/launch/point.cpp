@@ -149,7 +149,7 @@ void check_finite(const std::string& origin, const Row& row, std::initializer_li
 void add_line(std::string& text, const std::vector<double>& values) {
   const char* separator = "";
   for (const double value : values) {
-    text += fmt::format("{}{:.17g}", separator, value);
+    text += fmt::format("{}{}", separator, value);  // shortest that reads back to the same
     separator = ",";
   }
   text += '\n';

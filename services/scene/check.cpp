@@ -1,5 +1,7 @@
 #include "scene/check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -288,9 +290,10 @@ void check_run_name(const Scene& scene, Report& report) {
   const bool is_plain = process::to_line(name) == name && name.find('/') == std::string::npos && name.size() <= 100;
   if (is_plain && !name.empty() && name[0] != '.' && name[0] != '-') return;
   if (!report.is_broken("name"))
-    report.add("name", "'" + process::to_line(name, 100) +
-                           "' cannot name the folder of a run: give 1 to 100 printable characters without '/', not "
-                           "beginning with '.' or '-'");
+    report.add("name",
+               fmt::format("'{}' cannot name the folder of a run: give 1 to 100 printable characters without '/', "
+                           "not beginning with '.' or '-'",
+                           process::to_line(name, 100)));
 }
 
 void check_addresses(const Scene& scene, Report& report) {

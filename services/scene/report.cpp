@@ -32,7 +32,10 @@ bool Report::is_broken(const std::string& path) const {
 void Report::throw_if_any() const {
   if (sentences_.empty()) return;
   std::string text;
-  for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + process::to_line(sentence);
+  for (const std::string& sentence : sentences_) {
+    if (!text.empty()) text += '\n';
+    text += process::to_line(sentence);
+  }
   throw SceneError(text);
 }
 
