@@ -37,31 +37,45 @@ constexpr double kMoreSteps = 1.25;        ///< steps / steps at the initial inc
 constexpr double kMostElements = 200e3;  ///< of all layers, to measure on
 constexpr double kMuchInertia = 0.02;    ///< kinetic share above which the estimate is worth a warning
 
+/// Of one layer.
 struct Size {
   double nodes = 0, elements = 0;
+  double area = 0;  ///< mm2
 };
 
-Size count(const scene::Scene& scene, std::size_t layer) {
-  const scene::Layer& own = scene.layers[layer];
-  if (scene.blank.mesh || own.mesh) {
-    const auto mesh = solve::make_layer_mesh(scene, static_cast<int>(layer));
-    return {static_cast<double>(mesh.n_nodes()), static_cast<double>(mesh.n_elements())};
+bool has_mesh_files(const scene::Scene& scene) {
+  return scene.blank.mesh || std::any_of(scene.layers.begin(), scene.layers.end(),
+                                         [](const scene::Layer& l) { return l.mesh.has_value(); });
+}
+
+/// @pre no mesh files
+std::vector<Size> count(const scene::Scene& scene) {
+  const scene::Blank& blank = scene.blank;
+  const double halves = blank.half ? 1 : 2;
+  std::vector<Size> sizes;
+  for (const scene::Layer& layer : scene.layers) {
+    const double h = layer.mesh_size.value_or(blank.mesh_size);
+    const double columns = 2.0 * mechanics::count_cells_from_centre(blank.length, h);
+    const double rows = halves * mechanics::count_cells_from_centre(blank.width, h);
+    sizes.push_back({(columns + 1) * (rows + 1), 2 * columns * rows, blank.length * blank.width * halves / 2});
   }
-  const double h = own.mesh_size.value_or(scene.blank.mesh_size);
-  const double columns = 2.0 * mechanics::count_cells_from_centre(scene.blank.length, h);
-  const double rows = (scene.blank.half ? 1.0 : 2.0) * mechanics::count_cells_from_centre(scene.blank.width, h);
-  return {(columns + 1) * (rows + 1), 2 * columns * rows};
+  return sizes;
+}
+
+double sum_elements(const std::vector<Size>& sizes) {
+  double sum = 0;
+  for (const Size& size : sizes) sum += size.elements;
+  return sum;
 }
 
 /// The scene, or one of the same elements that is quick to measure: a smaller rectangle of the same cells, and plates
 /// with a round opening of the same share in place of surfaces.
-/// @param elements  of all layers of the scene
-scene::Scene make_stand_in(const scene::Scene& scene, double elements, double flange_share) {
-  const bool has_files = scene.blank.mesh || std::any_of(scene.layers.begin(), scene.layers.end(),
-                                                         [](const scene::Layer& l) { return l.mesh.has_value(); });
+scene::Scene make_stand_in(const scene::Scene& scene, double flange_share) {
+  if (has_mesh_files(scene)) return scene;
+  const double elements = sum_elements(count(scene));
   const bool has_surfaces =
       scene.tools.die.stl || scene.tools.blank_holder.opening.stl || (scene.tools.punch && scene.tools.punch->stl);
-  if (has_files || (elements <= kMostElements && !has_surfaces)) return scene;
+  if (elements <= kMostElements && !has_surfaces) return scene;
   scene::Scene small = scene;
   const double scale = std::min(1.0, std::sqrt(kMostElements / elements)), h = scene.blank.mesh_size;
   for (double* side : {&small.blank.length, &small.blank.width}) {
@@ -84,6 +98,7 @@ scene::Scene make_stand_in(const scene::Scene& scene, double elements, double fl
 
 /// What a stack costs and allows, from its initial state.
 struct Measured {
+  std::vector<Size> sizes;           ///< of each layer
   std::vector<double> increments;    ///< of each layer alone, s
   std::vector<double> step_seconds;  ///< of each layer, one thread, measured here
   coordinator::Votes votes;
@@ -118,6 +133,8 @@ Measured measure(const scene::Scene& scene) {
   Mechanics layers;
   for (int i = 0; i < stack.n_layers(); ++i) {
     const mechanics::TriangleMesh& mesh = stack.layer(i).mesh;
+    found.sizes.push_back({static_cast<double>(mesh.n_nodes()), static_cast<double>(mesh.n_elements()),
+                           mechanics::compute_areas(mesh).sum()});
     layers.push_back(find_layer_factory(scene.layers[static_cast<std::size_t>(i)].kind())(scene, i, mesh));
     found.step_seconds.push_back(measure_step(*layers.back(), mesh.reference));
     found.increments.push_back(layers.back()->compute_stable_increment(mesh.reference));
@@ -165,14 +182,11 @@ std::string describe_blank(const scene::Blank& blank) {
   return fmt::format("{:g} x {:g} mm in {:g} mm mesh", blank.length, blank.width, blank.mesh_size);
 }
 
-void add_layers(const scene::Scene& scene, const std::vector<Size>& sizes, double blank_area, const Measured& measured,
+void add_layers(const scene::Scene& scene, const std::vector<Size>& sizes, const Measured& measured,
                 datacheck::Datacheck& check) {
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const scene::Layer& layer = scene.layers[i];
-    const double area = scene.blank.mesh || layer.mesh
-                            ? mechanics::compute_areas(solve::make_layer_mesh(scene, static_cast<int>(i))).sum()
-                            : blank_area;
-    const double gram = 1e6 * area * layer.thickness * layer.density;
+    const double gram = 1e6 * sizes[i].area * layer.thickness * layer.density;
     datacheck::Layer& entry = *check.add_layers();
     entry.set_name(layer.name);
     entry.set_kind(layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
@@ -282,21 +296,13 @@ datacheck::Datacheck check_data(const scene::Scene& scene) {
   } catch (const std::exception& e) {  // that may have ended when the run begins
     check.add_warnings(fmt::format("exchange.address: {}", e.what()));
   }
-  std::vector<Size> sizes;
-  double elements = 0;
-  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
-    sizes.push_back(count(scene, i));
-    elements += sizes.back().elements;
-  }
-  const scene::Scene stand_in = make_stand_in(scene, elements, tools.flange_area / tools.blank_area);
-  double measured_elements = 0;
-  for (std::size_t i = 0; i < scene.layers.size(); ++i) measured_elements += count(stand_in, i).elements;
-  const Measured measured = measure(stand_in);
-  add_layers(scene, sizes, tools.blank_area, measured, check);
+  const Measured measured = measure(make_stand_in(scene, tools.flange_area / tools.blank_area));
+  const std::vector<Size> sizes = has_mesh_files(scene) ? measured.sizes : count(scene);
+  add_layers(scene, sizes, measured, check);
   add_interfaces(scene, measured, check);
   add_tools(tools, check);
   add_motion(scene, tools, check);
-  add_cost(scene, measured, elements / measured_elements, check);
+  add_cost(scene, measured, sum_elements(sizes) / sum_elements(measured.sizes), check);
   return check;
 }
 

@@ -1,6 +1,7 @@
 #include "scene/meshes.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 
 #include "geometry/outline.hpp"
@@ -84,6 +85,20 @@ void resolve_mesh(Scene& scene, std::optional<MeshFile>& mesh, const std::filesy
   if (is_new && !report.is_broken(file)) check_mesh(scene, *mesh, content, file, report);
 }
 
+/// Whoever asks for one layer asks for the others, and most often they have one mesh: the last one is kept.
+geometry::FlatMesh parse_once(const geometry::Pieces& content, const std::string& digest, const std::string& set) {
+  static std::mutex mutex;
+  static std::string last_digest, last_set;
+  static geometry::FlatMesh last;
+  const std::lock_guard lock(mutex);
+  if (last.triangles.empty() || digest != last_digest || set != last_set) {
+    last = geometry::parse_blank(content, set);
+    last_digest = digest;
+    last_set = set;
+  }
+  return last;
+}
+
 }  // namespace
 
 double measure_extent(const geometry::FlatMesh& mesh) {
@@ -109,7 +124,7 @@ std::optional<geometry::FlatMesh> read_mesh_of(const Scene& scene, std::size_t l
   const std::string path = (own ? join("layers", layer) + "." : "blank.") + "mesh.file";
   const geometry::Pieces content = read_resolved_mesh(mesh->file, path);
   try {
-    return geometry::parse_blank(content, mesh->set);
+    return parse_once(content, mesh->file.digest, mesh->set);
   } catch (const geometry::Unreadable& error) {
     throw SceneError(path + ": " + error.what());
   }
