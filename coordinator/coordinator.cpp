@@ -98,7 +98,7 @@ class Run {
 
   int frames_recorded() const { return link_.expects_recorder() ? static_cast<int>(recorded_.frames) : -1; }
   int frames_begun() const { return frames_begun_; }
-  const std::string& too_soft() const { return forming_.too_soft(); }
+  const std::string& too_soft() const { return forming_.measurements().too_soft(); }
 
  private:
   void put_header(const std::string& run_name) {
@@ -155,10 +155,10 @@ class Run {
         if (event.kind == Event::Kind::Moved) take_or_keep(event.who);
         if (!everyone_is_here()) check_patience(list(false));
       }
+      if (!forming_.pace().is_started() && !forming_.start()) throw_lost();
       forming_.finish_step();
       if (last) return;
-      forming_.step_seconds = std::chrono::duration<double>(Waiting::Clock::now() - step_start).count();
-      forming_.wait_seconds = waited;
+      forming_.note_time({std::chrono::duration<double>(Waiting::Clock::now() - step_start).count(), waited});
       time_left_.note(forming_.pace().time(),
                       std::chrono::duration<double>(Waiting::Clock::now().time_since_epoch()).count());
       report_progress({});
@@ -166,13 +166,14 @@ class Run {
   }
 
   Measures measure(const EnergyBalance& end) const {
+    const Measurements& m = forming_.measurements();
     return {.steps = forming_.pace().step(),
-            .largest_residual = forming_.largest_residual(),
+            .largest_residual = m.largest_residual(),
             .final_residual = forming_.final_residual(end),
-            .penetration_99 = forming_.penetration_99(),
-            .penetration_peak = forming_.penetration_peak(),
-            .holder_deviation = forming_.holder_deviation(),
-            .holder_mean = forming_.holder_mean()};
+            .penetration_99 = m.penetration_99(),
+            .penetration_peak = m.penetration_peak(),
+            .holder_deviation = m.holder_deviation(),
+            .holder_mean = m.holder_mean(forming_.holder_force())};
   }
 
   void await_finals() {
@@ -271,9 +272,13 @@ class Run {
   void take(int who) {
     is_here_[static_cast<std::size_t>(who)] = true;
     if (const std::string fault = forming_.find_fault(who); !fault.empty()) throw blame(fault);
-    if (forming_.take_motion(who)) return;
+    if (!forming_.take_motion(who)) throw_lost();
+  }
+
+  /// A force could not be delivered.
+  [[noreturn]] void throw_lost() {
     while (next_event().kind != Event::Kind::None) {
-    }  // the one that cannot be answered may have said why: its failure overtakes its answer
+    }  // whose it was may have said why: its failure overtakes its motion
     throw lost(forming_.lost(), "its connection is closed");
   }
 

@@ -21,12 +21,13 @@ class Pace {
   Pace(const scene::Scene& scene);
 
   std::int64_t step() const { return step_; }
-  double time() const { return time_; }        ///< t(n), s
-  double dt() const { return dt_; }            ///< t(n) - t(n - 1), s
-  double next_dt() const { return next_dt_; }  ///< t(n + 1) - t(n), s; known when step n begins (n > 0)
-  bool is_last() const { return last_; }       ///< step n is the final state
-  int frame() const { return frame_; }         ///< number of the frame to publish at step n, or -1
-  bool has_row() const { return row_; }        ///< a history row is due at step n
+  double time() const { return time_; }             ///< t(n), s
+  double dt() const { return dt_; }                 ///< t(n) - t(n - 1), s
+  double next_dt() const { return next_dt_; }       ///< t(n + 1) - t(n), s; known when step n begins (n > 0)
+  bool is_started() const { return next_dt_ > 0; }  ///< the first increment is known
+  bool is_last() const { return last_; }            ///< step n is the final state
+  int frame() const { return frame_; }              ///< number of the frame to publish at step n, or -1
+  bool has_row() const { return row_; }             ///< a history row is due at step n
 
   /// Before step 0 is answered: the increment of the first step from the first votes.
   void start(const Votes& votes);

@@ -159,8 +159,9 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
   set(holder.mutable_force(), 1e-3 * forming.holder_force(), "kN");
   set(holder.mutable_target(), 1e-3 * target, "kN");
   if (target > 0) {
-    set(holder.mutable_mean_deviation(), 100 * (forming.holder_mean() / target - 1), "%");
-    set(holder.mutable_largest_deviation(), 100 * forming.holder_deviation(), "%");
+    set(holder.mutable_mean_deviation(),
+        100 * (forming.measurements().holder_mean(forming.holder_force()) / target - 1), "%");
+    set(holder.mutable_largest_deviation(), 100 * forming.measurements().holder_deviation(), "%");
   }
   summary::Energy& energy = *s.mutable_energy();
   set(energy.mutable_external(), end.external, "mJ");
@@ -171,21 +172,21 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
   set(energy.mutable_friction(), end.friction, "mJ");
   set(energy.mutable_damping(), end.damping, "mJ");
   set(energy.mutable_residual(), 100 * forming.final_residual(end), "%");
-  set(energy.mutable_largest_residual(), 100 * forming.largest_residual(), "%");
+  set(energy.mutable_largest_residual(), 100 * forming.measurements().largest_residual(), "%");
   if (scene.record.frames > 0) {
-    set(s.mutable_penetration()->mutable_percentile_99(), 100 * forming.penetration_99(), "%");
-    set(s.mutable_penetration()->mutable_peak(), 100 * forming.penetration_peak(), "%");
+    set(s.mutable_penetration()->mutable_percentile_99(), 100 * forming.measurements().penetration_99(), "%");
+    set(s.mutable_penetration()->mutable_peak(), 100 * forming.measurements().penetration_peak(), "%");
   }
   for (const summary::Layer& layer : s.layers())
     for (const summary::OutsideTrust& passed : layer.outside_trust())
       s.add_warnings(describe_outside(layer.name(), passed));
-  if (const Inertia& inertia = forming.inertia(); inertia.work > 0) {
+  if (const Inertia& inertia = forming.measurements().inertia(); inertia.work > 0) {
     set(s.mutable_inertia()->mutable_share(), 100 * inertia.kinetic / inertia.work, "%");
     set(s.mutable_inertia()->mutable_kinetic(), inertia.kinetic, "mJ");
     set(s.mutable_inertia()->mutable_work(), inertia.work, "mJ");
     set(s.mutable_inertia()->mutable_time(), 1e3 * inertia.time, "ms");
   }
-  judge(scene, list_untouched(scene, forming.touched(), pace.step()), s);
+  judge(scene, list_untouched(scene, forming.measurements().touched(), pace.step()), s);
   return s;
 }
 

@@ -127,19 +127,18 @@ void Stack::move_tools(double punch_travel, double blank_holder_increment) {
 }
 
 void Stack::begin_step() {
-  for (LayerSlot& slot : layers_) slot.is_here = slot.is_answered = false;
+  for (LayerSlot& slot : layers_) slot.is_here = slot.is_sent = false;
 }
 
-void Stack::accept(int i, const exchange::Motion& motion, double dt) {
+void Stack::take_motion(int i, const mechanics::NodalVectors& position, const Scalars& thickness, double vote) {
   LayerSlot& slot = layers_[static_cast<std::size_t>(i)];
-  slot.geometry.move_to(motion.position);
-  if (motion.thickness.size() > 0) slot.geometry.set_half_thickness(0.5 * motion.thickness);
-  slot.vote = motion.vote;
+  slot.geometry.move_to(position);
+  if (thickness.size() > 0) slot.geometry.set_half_thickness(0.5 * thickness);
+  slot.vote = vote;
   slot.is_here = true;
-  update_interfaces_of(i, dt);
 }
 
-void Stack::update_interfaces_of(int i, double dt) {
+void Stack::compute_contact_of(int i, double dt) {
   const int top = n_layers() - 1;
   if (i == 0) die_->update(dt, run_);
   if (i > 0 && layer(i - 1).is_here) between_[static_cast<std::size_t>(i) - 1]->update(dt, run_);
@@ -150,13 +149,13 @@ void Stack::update_interfaces_of(int i, double dt) {
   }
 }
 
-bool Stack::can_answer(int i) const {
+bool Stack::can_send_force(int i) const {
   const int top = n_layers() - 1;
-  return layer(i).is_here && !layer(i).is_answered && (i == 0 || layer(i - 1).is_here) &&
+  return layer(i).is_here && !layer(i).is_sent && (i == 0 || layer(i - 1).is_here) &&
          (i == top || layer(i + 1).is_here);
 }
 
-void Stack::answer(int i, mechanics::NodalVectors& force) {
+void Stack::sum_force(int i, mechanics::NodalVectors& force) {
   const auto below = static_cast<std::size_t>(i) - 1, above = static_cast<std::size_t>(i);
   const mechanics::NodalVectors& from_below = i == 0 ? die_->force_on_layer() : between_[below]->force_on_upper();
   if (i < n_layers() - 1)
@@ -165,7 +164,7 @@ void Stack::answer(int i, mechanics::NodalVectors& force) {
     force = from_below + blank_holder_->force_on_layer() + punch_->force_on_layer();
   else
     force = from_below + blank_holder_->force_on_layer();
-  layers_[above].is_answered = true;
+  layers_[above].is_sent = true;
 }
 
 bool Stack::is_step_complete() const {

@@ -9,7 +9,6 @@
 #include "contact/tool_interface.hpp"
 #include "coordinator/blank_holder.hpp"
 #include "coordinator/pace.hpp"
-#include "exchange/link.hpp"
 #include "observe/frames.hpp"
 #include "scene/scene.hpp"
 #include "solve/blocks.hpp"
@@ -20,9 +19,9 @@ namespace interply::coordinator {
 struct LayerSlot {
   mechanics::TriangleMesh mesh;
   contact::LayerGeometry geometry;
-  double vote = 0;           ///< latest stable increment of the layer alone, s
-  bool is_here = false;      ///< its motion of this step has arrived
-  bool is_answered = false;  ///< its force of this step has been handed out
+  double vote = 0;       ///< latest stable increment of the layer alone, s
+  bool is_here = false;  ///< its motion of this step has arrived
+  bool is_sent = false;  ///< its force of this step has been summed up
 };
 
 /// Interface i couples layer i - 1 (or the die, i = 0) to layer i (or the tools above the top layer).
@@ -39,12 +38,15 @@ class Stack {
   void move_tools(double punch_travel, double blank_holder_increment);
   /// Nobody has arrived yet at this step.
   void begin_step();
-  /// Takes the motion of layer i and computes every interface that now has both partners.
-  void accept(int i, const exchange::Motion& motion, double dt);
-  /// Layer i's faces are both done and it has not been answered yet.
-  bool can_answer(int i) const;
-  /// Sum of the contact forces on layer i, its lower face first, N; marks it answered.
-  void answer(int i, mechanics::NodalVectors& force);
+  /// @param position  x(n) [3 x n_nodes] mm   @param thickness  at the nodes, mm, or empty if it is constant
+  /// @param vote      latest stable increment of the layer alone, s
+  void take_motion(int i, const mechanics::NodalVectors& position, const mechanics::Scalars& thickness, double vote);
+  /// Every interface of layer i that has both partners now. @pre each is called once a step, in any order of layers
+  void compute_contact_of(int i, double dt);
+  /// Layer i's faces are both done and its force has not been summed up yet.
+  bool can_send_force(int i) const;
+  /// Sum of the contact forces on layer i, its lower face first, N; once a step.
+  void sum_force(int i, mechanics::NodalVectors& force);
   bool is_step_complete() const;
 
   /// Largest stable increments (fastest_mode.hpp): of the layers as they last said, and with what contact adds.
@@ -70,7 +72,6 @@ class Stack {
 
  private:
   contact::InterfaceLaw make_law(int lower, int upper, double friction) const;
-  void update_interfaces_of(int i, double dt);
 
   const scene::Scene& scene_;
   solve::Workers workers_;

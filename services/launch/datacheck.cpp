@@ -139,7 +139,8 @@ Measured measure(const scene::Scene& scene) {
     layers.push_back(find_layer_factory(scene.layers[static_cast<std::size_t>(i)].kind())(scene, i, mesh));
     found.step_seconds.push_back(measure_step(*layers.back(), mesh.reference));
     found.increments.push_back(layers.back()->compute_stable_increment(mesh.reference));
-    stack.accept(i, {.vote = found.increments.back(), .position = mesh.reference}, 0);
+    stack.take_motion(i, mesh.reference, {}, found.increments.back());
+    stack.compute_contact_of(i, 0);
   }
   found.votes = stack.collect_votes();
   for (int k = 0; k < stack.n_interfaces(); ++k) found.laws.push_back(stack.law(k));

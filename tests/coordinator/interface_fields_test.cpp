@@ -44,7 +44,7 @@ struct BentStack {
         }
         if (i == 0 || i == 4) m.thickness = mechanics::Scalars::Constant(m.position.cols(), 1 - 1e-3 * step);
         positions.push_back(m.position);
-        stack.accept(i, m, step ? 1e-6 : 0);
+        test::accept(stack, i, m, step ? 1e-6 : 0);
       }
     }
   }
@@ -57,8 +57,8 @@ TEST(InterfaceFields, ForcesOfALayersInterfacesAreWhatItIsSent) {
     const int n = bent.stack.n_layers();
     for (int i = 0; i < n; ++i) {
       NodalVectors sent;
-      ASSERT_TRUE(bent.stack.can_answer(i));
-      bent.stack.answer(i, sent);
+      ASSERT_TRUE(bent.stack.can_send_force(i));
+      bent.stack.sum_force(i, sent);
       NodalVectors below = i == 0 ? take(describe_interface(bent.scene, bent.stack, 0), "force")
                                   : take(describe_other_side(bent.stack, i), "force_on_other");
       NodalVectors recorded = below + take(describe_interface(bent.scene, bent.stack, i + 1), "force");
@@ -100,8 +100,8 @@ TEST(InterfaceFields, AreasAreThoseOfTheDeformedMeshAndTractionsLieAcrossNormals
 /// Two plies of other fibre directions, the same traction: along each one's warp and weft as their elements carry them.
 /// The plies are sheared as a whole, so that fibres are the same at every node: F d, turned.
 TEST(InterfaceFields, TractionsAlongFibresFollowTheFibresOfEitherLayer) {
-  scene::Scene scene = test::read_flat_stack({"blank.symmetry=full", "blank.mesh_size=40",
-                                              "layers.ply_1.orientation=20", "layers.ply_2.orientation=-35"});
+  scene::Scene scene = test::read_flat_stack(
+      {"blank.symmetry=full", "blank.mesh_size=40", "layers.ply_1.orientation=20", "layers.ply_2.orientation=-35"});
   Stack stack(scene);
   Eigen::Matrix2d F[2];
   F[0] << 1.02, 0.15, 0.0, 0.98;
@@ -116,7 +116,7 @@ TEST(InterfaceFields, TractionsAlongFibresFollowTheFibresOfEitherLayer) {
       m.position.row(0) += 0.003 * step * i;
       m.position.row(1) -= 0.001 * step * i;
       m.position.row(2) -= 0.01 * i;
-      stack.accept(i, m, step ? 1e-6 : 0);
+      test::accept(stack, i, m, step ? 1e-6 : 0);
     }
   }
   const auto fields = describe_interface(scene, stack, 2);  // between ply_1 and ply_2
@@ -154,7 +154,7 @@ TEST(InterfaceFields, GapToAToolIsThatOfTheInstantHoweverFarItIs) {
       exchange::Motion still;
       still.position = solve::make_layer_mesh(scene, i).reference;
       still.vote = 1e-6;
-      stack.accept(i, still, step ? 1e-6 : 0);
+      test::accept(stack, i, still, step ? 1e-6 : 0);
     }
     const auto fields = describe_interface(scene, stack, stack.n_interfaces() - 1);
     const auto gap = take(fields, "gap");

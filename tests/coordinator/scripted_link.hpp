@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/stack.hpp"
 #include "paths.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
@@ -18,6 +19,12 @@ namespace interply::test {
 
 inline scene::Scene read_flat_stack(const std::vector<std::string>& overrides = {}) {
   return scene::read_scene(std::string(INTERPLY_SOURCE_DIR) + "/tests/scenes/flat_stack.yaml", overrides);
+}
+
+/// A motion that arrives, and the contact that it completes.
+inline void accept(coordinator::Stack& stack, int i, const exchange::Motion& motion, double dt) {
+  stack.take_motion(i, motion.position, motion.thickness, motion.vote);
+  stack.compute_contact_of(i, dt);
 }
 
 /// Every answered layer sends its motion of the next step, or its Final after the last one, unless `on_answer` says

@@ -42,7 +42,7 @@ TEST(Stack, ForceOnALayerIsWhatItsTwoFacesCarry) {
   const auto motions = make_motions(scene, shift);
   stack.move_tools(0, -0.020);
   stack.begin_step();
-  for (int i = 0; i < kLayers; ++i) stack.accept(i, motions[static_cast<std::size_t>(i)], 0);
+  for (int i = 0; i < kLayers; ++i) test::accept(stack, i, motions[static_cast<std::size_t>(i)], 0);
   ASSERT_TRUE(stack.is_step_complete());
 
   const auto resultant = [&](int interface) {  // pressure over area
@@ -52,9 +52,9 @@ TEST(Stack, ForceOnALayerIsWhatItsTwoFacesCarry) {
   double tools = stack.die().force.z() + stack.blank_holder().force.z() + stack.punch()->force.z();
   NodalVectors force;
   for (int i = 0; i < kLayers; ++i) {
-    ASSERT_TRUE(stack.can_answer(i));
-    stack.answer(i, force);
-    EXPECT_FALSE(stack.can_answer(i));
+    ASSERT_TRUE(stack.can_send_force(i));
+    stack.sum_force(i, force);
+    EXPECT_FALSE(stack.can_send_force(i));
     const double below = i == 0 ? -stack.die().force.z() : resultant(i);
     const double above = i < kLayers - 1 ? resultant(i + 1) : stack.blank_holder().force.z() + stack.punch()->force.z();
     EXPECT_GT(below, 0);
@@ -71,7 +71,7 @@ TEST(Stack, PressureOfEveryInterfaceFollowsFromItsOwnLaw) {
   const std::vector<double> shift{-0.001, -0.003, -0.006, -0.010, -0.015};
   const auto motions = make_motions(scene, shift);
   stack.begin_step();
-  for (int i = 0; i < kLayers; ++i) stack.accept(i, motions[static_cast<std::size_t>(i)], 0);
+  for (int i = 0; i < kLayers; ++i) test::accept(stack, i, motions[static_cast<std::size_t>(i)], 0);
   for (int k = 1; k < kLayers; ++k) {
     const auto u = static_cast<std::size_t>(k);
     const double thinner = std::min(scene.layers[u - 1].thickness, scene.layers[u].thickness);
@@ -98,10 +98,10 @@ TEST(Stack, OrderOfArrivalDoesNotChangeABit) {
       stack.begin_step();
       std::vector<int> answered;
       for (const int i : order) {
-        stack.accept(i, motions[static_cast<std::size_t>(i)], step ? 1e-6 : 0);
+        test::accept(stack, i, motions[static_cast<std::size_t>(i)], step ? 1e-6 : 0);
         for (int k = 0; k < kLayers; ++k) {
-          if (!stack.can_answer(k)) continue;
-          stack.answer(k, forces[static_cast<std::size_t>(k)]);
+          if (!stack.can_send_force(k)) continue;
+          stack.sum_force(k, forces[static_cast<std::size_t>(k)]);
           answered.push_back(k);
         }
       }
@@ -118,21 +118,21 @@ TEST(Stack, LayerIsAnsweredAsSoonAsItsNeighboursAreHere) {
   const auto scene = test::read_flat_stack();
   Stack stack(scene);
   const auto motions = make_motions(scene, {0, 0, 0, 0, 0});
-  const auto arrive = [&](int i) { stack.accept(i, motions[static_cast<std::size_t>(i)], 0); };
+  const auto arrive = [&](int i) { test::accept(stack, i, motions[static_cast<std::size_t>(i)], 0); };
   stack.begin_step();
   arrive(4);
-  EXPECT_FALSE(stack.can_answer(4));
+  EXPECT_FALSE(stack.can_send_force(4));
   arrive(3);
-  EXPECT_TRUE(stack.can_answer(4));
-  EXPECT_FALSE(stack.can_answer(3));
+  EXPECT_TRUE(stack.can_send_force(4));
+  EXPECT_FALSE(stack.can_send_force(3));
   arrive(1);
-  EXPECT_FALSE(stack.can_answer(1));
+  EXPECT_FALSE(stack.can_send_force(1));
   arrive(0);
-  EXPECT_TRUE(stack.can_answer(0));
-  EXPECT_FALSE(stack.can_answer(1));
+  EXPECT_TRUE(stack.can_send_force(0));
+  EXPECT_FALSE(stack.can_send_force(1));
   EXPECT_FALSE(stack.is_step_complete());
   arrive(2);
-  for (int i = 0; i < kLayers; ++i) EXPECT_TRUE(stack.can_answer(i)) << i;
+  for (int i = 0; i < kLayers; ++i) EXPECT_TRUE(stack.can_send_force(i)) << i;
   EXPECT_TRUE(stack.is_step_complete());
 }
 
@@ -143,12 +143,12 @@ TEST(Stack, LinearMomentumIsConservedWhateverTheShape) {
     const auto motions = make_motions(scene, {0, -0.01, -0.02, -0.03, -0.04}, 0.02, 11u + unsigned(step));
     stack.move_tools(0, -0.01);
     stack.begin_step();
-    for (int i = 0; i < kLayers; ++i) stack.accept(i, motions[static_cast<std::size_t>(i)], step ? 1e-6 : 0);
+    for (int i = 0; i < kLayers; ++i) test::accept(stack, i, motions[static_cast<std::size_t>(i)], step ? 1e-6 : 0);
     mechanics::Vector3 sum = stack.die().force + stack.blank_holder().force + stack.punch()->force;
     double scale = 0;
     NodalVectors force;
     for (int i = 0; i < kLayers; ++i) {
-      stack.answer(i, force);
+      stack.sum_force(i, force);
       sum += mechanics::Vector3(force.row(0).sum(), force.row(1).sum(), force.row(2).sum());
       scale += force.abs().sum();
     }
@@ -186,9 +186,9 @@ TEST(Stack, ContactRatesBoundTheTrueFrequenciesOfTheWholeStack) {
     for (int i = 0; i < kLayers; ++i) {
       exchange::Motion m = base[static_cast<std::size_t>(i)];
       m.position += scale * u[static_cast<std::size_t>(i)];
-      stack.accept(i, m, 0);
+      test::accept(stack, i, m, 0);
     }
-    for (int i = 0; i < kLayers; ++i) stack.answer(i, f[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < kLayers; ++i) stack.sum_force(i, f[static_cast<std::size_t>(i)]);
     return f;
   };
   Stack stack(scene);
@@ -211,7 +211,7 @@ TEST(Stack, ContactRatesBoundTheTrueFrequenciesOfTheWholeStack) {
     for (auto& v : u) v /= norm;
   }
   stack.begin_step();
-  for (int i = 0; i < kLayers; ++i) stack.accept(i, base[static_cast<std::size_t>(i)], 0);
+  for (int i = 0; i < kLayers; ++i) test::accept(stack, i, base[static_cast<std::size_t>(i)], 0);
   const double bound = std::pow(2 / stack.collect_votes().contact, 2);
   EXPECT_LE(eigenvalue, bound);
   EXPECT_GT(eigenvalue, 0.85 * bound);  // one weight for all layers would leave 0.77

@@ -114,9 +114,10 @@ TEST(Check, SurfacesAreReplacedByPlatesToMeasureIncrements) {
   scene::Scene scene = scene::read_scene(INTERPLY_SOURCE_DIR "/deploy/scenes/own_tools.yaml");
   coordinator::Stack stack(scene);
   stack.begin_step();
-  for (int i = 0; i < stack.n_layers(); ++i)
-    stack.accept(i, {.vote = 1e-6 * surfaces.layers(i).increment().value(), .position = stack.layer(i).mesh.reference},
-                 0);
+  for (int i = 0; i < stack.n_layers(); ++i) {
+    stack.take_motion(i, stack.layer(i).mesh.reference, {}, 1e-6 * surfaces.layers(i).increment().value());
+    stack.compute_contact_of(i, 0);
+  }
   EXPECT_NEAR(surfaces.cost().increment().value() / (1e6 * 0.9 * stack.collect_votes().stack), 1, 0.02);
 }
 

@@ -26,7 +26,8 @@ std::uint64_t measure(const fs::path& file, const std::vector<std::string>& over
   for (int i = 0; i < stack.n_layers(); ++i) {
     const mechanics::TriangleMesh& mesh = stack.layer(i).mesh;
     layers.push_back(find_layer_factory(scene.layers[static_cast<std::size_t>(i)].kind())(scene, i, mesh));
-    stack.accept(i, {.vote = 1e-6, .position = mesh.reference}, 0);
+    stack.take_motion(i, mesh.reference, {}, 1e-6);
+    stack.compute_contact_of(i, 0);
   }
   return measure_record(scene, layers, stack);
 }
