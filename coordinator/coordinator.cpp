@@ -13,6 +13,7 @@
 #include "coordinator/waiting.hpp"
 #include "mechanics/digest.hpp"
 #include "mechanics/failure.hpp"
+#include "process/exit_codes.hpp"
 
 namespace interply::coordinator {
 
@@ -370,15 +371,15 @@ class Run {
 int find_exit_code(StopReason reason) {
   switch (reason) {
     case StopReason::Failed:
-      return 1;
+      return process::kFailed;
     case StopReason::Diverged:
-      return 3;
+      return process::kDiverged;
     case StopReason::Lost:
-      return 4;
+      return process::kLost;
     case StopReason::Cancelled:
       break;
   }
-  return 5;
+  return process::kCancelled;
 }
 
 }  // namespace

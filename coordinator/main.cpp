@@ -15,6 +15,7 @@
 #include "observe/run_sink.hpp"
 #include "observe/tee_sink.hpp"
 #include "process/arguments.hpp"
+#include "process/exit_codes.hpp"
 #include "process/signals.hpp"
 #include "scene/read_scene.hpp"
 #include "solve/layer_mechanics.hpp"
@@ -74,7 +75,7 @@ int main(int argc, char** argv) {
   if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
   ::umask(0077);
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads us may leave; the run goes on
-  process::EndRequests requests(5);
+  process::EndRequests requests(process::kCancelled);
   const auto voice = coordinator::make_voice(for_launcher);
   try {
     const scene::Scene scene = scene::read_scene(scene_file, overrides);
@@ -102,15 +103,15 @@ int main(int argc, char** argv) {
     return outcome.exit_code;
   } catch (const scene::SceneError& e) {
     voice->say_reason(e.what());
-    return 2;
+    return process::kRefused;
   } catch (const exchange::BadAddress& e) {
     voice->say_reason(std::string("--bind: ") + e.what());
-    return 2;
+    return process::kRefused;
   } catch (const std::bad_alloc&) {
     voice->say_reason("there is not enough memory");
-    return 1;
+    return process::kFailed;
   } catch (const std::exception& e) {
     voice->say_reason(e.what());
-    return 1;
+    return process::kFailed;
   }
 }

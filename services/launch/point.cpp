@@ -17,6 +17,7 @@
 
 #include "geometry/read_file.hpp"
 #include "geometry/text_lines.hpp"
+#include "process/exit_codes.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/report.hpp"
@@ -257,16 +258,16 @@ int run_point(const std::filesystem::path& law, const std::filesystem::path& pat
       for (const auto& warning : solve::probe_vumat(*own, "point", kPointDensity))
         err << "warning: " << warning << '\n';
     out << follow_path(read, read_text(path_csv), path_csv.string());
-    return 0;
+    return process::kDone;
   } catch (const scene::SceneError& e) {
     err << e.what() << '\n';
   } catch (const PathError& e) {
     err << e.what() << '\n';
   } catch (const mechanics::Divergence& e) {
     err << e.what() << '\n';
-    return 3;
+    return process::kDiverged;
   }
-  return 2;
+  return process::kRefused;
 }
 
 }  // namespace interply::launch

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "launch/terminal.hpp"
+#include "process/exit_codes.hpp"
 #include "record/run_folder.hpp"
 #include "scene/scene.hpp"
 
 namespace interply::launch {
 
-/// Exit codes of every interply program.
-enum ExitCode { kDone = 0, kFailed = 1, kRefused = 2, kDiverged = 3, kLost = 4, kCancelled = 5 };
+using enum process::ExitCode;
 
 struct RunOptions {
   std::filesystem::path scene;

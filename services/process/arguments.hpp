@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "process/exit_codes.hpp"
 #include "process/nearest.hpp"
 #include "process/words.hpp"
 
@@ -20,7 +21,7 @@ inline std::optional<int> read_arguments(CLI::App& app, const std::string& versi
   app.allow_extras();  // to name them before what is missing
   const auto refuse = [&](const std::string& sentence) {
     std::fprintf(stderr, "%s: %s (see --help)\n", name.c_str(), to_line(sentence, 300).c_str());
-    return 2;
+    return kRefused;
   };
   std::optional<std::string> wrong;
   try {

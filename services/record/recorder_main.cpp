@@ -16,6 +16,7 @@
 #include "exchange/zeromq.hpp"
 #include "observe/sample.hpp"
 #include "process/arguments.hpp"
+#include "process/exit_codes.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "record/file.hpp"
@@ -29,7 +30,7 @@ using exchange::StopReason;
 using record::Misfit;
 using record::RecordWriter;
 
-constexpr int kDone = 0, kFailed = 1, kRefused = 2, kLost = 4, kCancelled = 5;
+using enum process::ExitCode;
 constexpr double kPoll = 0.2;  ///< s
 
 std::atomic<bool> interrupted = false;

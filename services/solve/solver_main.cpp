@@ -13,6 +13,7 @@
 #include "observe/run_sink.hpp"
 #include "observe/tee_sink.hpp"
 #include "process/arguments.hpp"
+#include "process/exit_codes.hpp"
 #include "process/signals.hpp"
 #include "process/words.hpp"
 #include "scene/read_scene.hpp"
@@ -35,25 +36,27 @@ int say_how_it_ends(const Work& work) try {
   return work();
 } catch (const scene::SceneError& e) {
   std::cerr << e.what() << std::endl;
-  return 2;
+  return process::kRefused;
 } catch (const exchange::BadAddress& e) {
   std::cerr << "--connect: " << e.what() << std::endl;
-  return 2;
+  return process::kRefused;
 } catch (const exchange::Refused& e) {
   std::cerr << "refused: " << process::to_line(e.what()) << std::endl;
-  return 2;
+  return process::kRefused;
 } catch (const mechanics::Divergence& e) {
   std::cerr << e.what() << std::endl;
-  return 3;
+  return process::kDiverged;
 } catch (const exchange::Stopped& e) {
   std::cerr << "stopped by the coordinator: " << process::to_line(e.what()) << std::endl;
-  return e.reason == exchange::StopReason::Diverged ? 3 : e.reason == exchange::StopReason::Cancelled ? 5 : 4;
+  return e.reason == exchange::StopReason::Diverged    ? process::kDiverged
+         : e.reason == exchange::StopReason::Cancelled ? process::kCancelled
+                                                       : process::kLost;
 } catch (const std::bad_alloc&) {
   std::cerr << "there is not enough memory" << std::endl;
-  return 1;
+  return process::kFailed;
 } catch (const std::exception& e) {
   std::cerr << e.what() << std::endl;
-  return 4;
+  return process::kLost;
 }
 
 /// From joining to Final. @return the exit code   @throws Refused, SceneError, CoordinatorLost while joining
@@ -74,7 +77,7 @@ int integrate_layer(const std::string& address, const std::string& layer_name, c
                         observe::make_watch_sink(scene.record.frames > 0, make_dds_options(scene, welcome.run)));
   const int exit_code = say_how_it_ends([&] {
     run_session(scene, layer, make_layer, *link, sink);
-    return 0;
+    return process::kDone;
   });
   process::end_within(process::kGrace, exit_code);  // whatever closing the links waits for
   return exit_code;
@@ -93,7 +96,8 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
   app.add_option("--scene", scene_file,
                  "scene file that must equal the coordinator's (default: take the coordinator's)");
   app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
-  app.add_option("--silence", silence, "over TCP: seconds without a sign of life of the coordinator after which to leave")
+  app.add_option("--silence", silence,
+                 "over TCP: seconds without a sign of life of the coordinator after which to leave")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
