@@ -18,6 +18,7 @@ namespace {
 using namespace interply::contact;
 using interply::mechanics::NodalVectors;
 using interply::mechanics::Scalars;
+using interply::test::is_on_this_machine;
 using interply::test::Target;
 
 constexpr double kMargin = 0.25;
@@ -117,7 +118,11 @@ std::vector<Vector3> make_points(int n) {
   return x;
 }
 
-class ToolKernels : public testing::TestWithParam<const char*> {};
+class ToolKernels : public testing::TestWithParam<const char*> {
+  void SetUp() override {
+    if (!is_on_this_machine(GetParam())) GTEST_SKIP() << "not on this machine";
+  }
+};
 INSTANTIATE_TEST_SUITE_P(Targets, ToolKernels, testing::Values("scalar", "avx2", "avx512"),
                          [](const auto& info) { return std::string(info.param); });
 
@@ -202,6 +207,7 @@ TEST(ToolKernelWidth, DoesNotChangeABitOfADistance) {
     for (const double half_thickness : {kThin, kThick}) {
       std::vector<Scalars> all;
       for (const char* name : kTargets) {
+        if (!is_on_this_machine(name)) continue;
         const Target target(name);
         const auto tool = c.make();
         Nodes nodes(make_points(3007), half_thickness);
@@ -213,8 +219,7 @@ TEST(ToolKernelWidth, DoesNotChangeABitOfADistance) {
         for (int n = 0; n < 20; ++n) nodes.advance(*tool, -0.04 * n, -0.04);
         all.push_back(nodes.collect());
       }
-      EXPECT_TRUE((all[0] == all[1]).all()) << c.name;
-      EXPECT_TRUE((all[1] == all[2]).all()) << c.name;
+      for (const Scalars& other : all) EXPECT_TRUE((other == all[0]).all()) << c.name;
     }
 }
 
@@ -227,12 +232,13 @@ TEST(ToolKernelWidth, DoesNotChangeABitOfADistanceInPacksThatAreNotFull) {
       for (int first = 0; first + n < 400; first += n) {
         std::vector<Scalars> all;
         for (const char* name : kTargets) {
+          if (!is_on_this_machine(name)) continue;
           const Target target(name);
           Nodes nodes({x.begin() + first, x.begin() + first + n}, kThick);
           nodes.advance(*tool);
           all.push_back(nodes.collect());
         }
-        ASSERT_TRUE((all[0] == all[1]).all() && (all[1] == all[2]).all()) << c.name << " " << first << " " << n;
+        for (const Scalars& other : all) ASSERT_TRUE((other == all[0]).all()) << c.name << " " << first << " " << n;
       }
   }
 }

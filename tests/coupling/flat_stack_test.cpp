@@ -1,4 +1,4 @@
-/// The first regression test of any contact (PITFALLS 1): the flat stack under the blank holder, punch at rest.
+/// The first regression test of any contact: the flat stack under the blank holder, punch at rest.
 #include <gtest/gtest.h>
 
 #include <cmath>

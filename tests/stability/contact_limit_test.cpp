@@ -1,4 +1,4 @@
-/// The exact stability limit of contact in the lock-step exchange (MECHANICS 3): that of the monolithic scheme.
+/// The exact stability limit of contact in the lock-step exchange (services/contact/THEORY.md): that of the monolithic scheme.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 namespace interply::test {
 
 /// Extension at which inextensible fibres shear the middle of the strip by `gamma` (rad), mm:
-///   gamma = 90 deg - 2 acos((L0 + d)/(sqrt 2 L0)),   L0 = H - W                                   (MECHANICS V4)
+///   gamma = 90 deg - 2 acos((L0 + d)/(sqrt 2 L0)),   L0 = H - W                                   (V4)
 inline double compute_bias_extension(double width, double height, double gamma) {
   const double l0 = height - width;
   return std::sqrt(2.0) * l0 * std::cos(M_PI / 4 - gamma / 2) - l0;

@@ -14,7 +14,7 @@ namespace interply::test {
 
 /// `ours` lies within `tolerance` of `reference`; with `absolute`, in the unit of the row, else relative.
 struct Result {
-  std::string row;       ///< id of MECHANICS 6, "V10"
+  std::string row;       ///< id of the verification table, "V10"
   std::string quantity;  ///< "tip deflection of the cantilever, 45 deg of tip rotation"
   std::string source;    ///< of the reference: "elastica, shooting in the test"
   double reference = 0;

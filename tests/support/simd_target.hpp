@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "simd/target.hpp"
+
 namespace interply::test {
 
 /// Kernels made in its scope are those of one target.
@@ -18,5 +20,11 @@ class Target {
  private:
   std::string old_;
 };
+
+/// Whether a target is what runs when it is named: the machine has it.
+inline bool is_on_this_machine(const char* name) {
+  const Target target(name);
+  return std::string(simd::get_name(simd::choose_target())) == name;
+}
 
 }  // namespace interply::test

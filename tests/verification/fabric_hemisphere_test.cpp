@@ -2,7 +2,7 @@
 ///
 /// Such a net is a Chebyshev net: metric dx^2 + dy^2 + 2 sin(gamma) dx dy on the Gauss curvature 1/R^2, so that
 ///   gamma,xy = cos(gamma)/R^2,
-/// and with both generators geodesic, gamma depends on z = x y/R^2 alone: z g'' + g' = cos g, g(0) = 0 (MECHANICS V7).
+/// and with both generators geodesic, gamma depends on z = x y/R^2 alone: z g'' + g' = cos g, g(0) = 0 (V7).
 #include <gtest/gtest.h>
 
 #include <memory>

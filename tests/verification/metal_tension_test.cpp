@@ -47,7 +47,7 @@ TEST(Dc04Bar, YieldsAt166MPa) {
   const double closed = 530 * std::pow(0.0065, 0.23);
   expect_result({.row = "V9",
                  .quantity = "DC04, initial yield stress",
-                 .source = "EN 10130 sheet of MECHANICS 5, 166 MPa",
+                 .source = "DC04 of EN 10130, 166 MPa",
                  .reference = 166,
                  .ours = closed,
                  .unit = "MPa",
