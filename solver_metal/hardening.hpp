@@ -94,11 +94,13 @@ struct Curve<scene::HardeningTable> {
   }
 };
 
-/// body(curve) for the curve of a law.
-template <class Body>
+/// body(curve) for the curve of a law. (std::visit would put what it throws into the kernels.)
+template <std::size_t kIndex = 0, class Body>
 inline auto with_curve(const scene::Hardening& hardening, const Body& body) {
-  if (hardening.valueless_by_exception()) __builtin_unreachable();  // so that kernels hold nothing that throws
-  return std::visit([&]<class H>(const H& h) { return body(Curve<H>{h}); }, hardening);
+  if constexpr (kIndex + 1 < std::variant_size_v<scene::Hardening>)
+    if (hardening.index() != kIndex) return with_curve<kIndex + 1>(hardening, body);
+  using Parameters = std::variant_alternative_t<kIndex, scene::Hardening>;
+  return body(Curve<Parameters>{*std::get_if<kIndex>(&hardening)});
 }
 
 }  // namespace
