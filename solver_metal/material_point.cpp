@@ -95,9 +95,11 @@ std::vector<MetalPoint> follow(const LawConstants& law, double lowest, J2Point p
 }  // namespace
 
 YieldStress<double> compute_yield_stress(const scene::Hardening& hardening, double p) {
-  constexpr double kSmallest = std::numeric_limits<double>::min();  // Hockett-Sherby has no slope at 0
-  const bool at_zero = p <= 0 && std::holds_alternative<scene::HockettSherby>(hardening);
-  return with_curve(hardening, [&](const auto& curve) { return curve(at_zero ? kSmallest : p); });
+  return with_curve(hardening, [p](const auto& curve) {
+    YieldStress<double> y = curve(p);
+    if (std::isnan(y.slope)) y.slope = curve(std::numeric_limits<double>::min()).slope;  // infinite at p = 0
+    return y;
+  });
 }
 
 Plastic<double> return_to_yield_surface(const LawConstants& law, const double* square, const Plastic<double>& start) {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "solver_metal/hardening.hpp"
 #include "solver_metal/law_constants.hpp"
@@ -139,7 +140,7 @@ inline Plastic<double> return_bracketed(const Curve& curve, const double (&k)[kM
   // first guess: exact for linear hardening where all rates are equal
   const double rate = -trial.slope / trial.stress,
                guess = (trial.stress - start.yield_stress) / (rate + start.yield_slope);
-  double l = std::clamp(guess / (trial.stress - rate * guess), 0.0, high);
+  double l = std::clamp(guess / (trial.stress - rate * guess), std::numeric_limits<double>::min(), high);
   Plastic<double> end = start;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Equivalent<double> s = compute_equivalent(k, square, l);
