@@ -1,6 +1,6 @@
-/// Plane-stress plasticity of a rolled sheet, Hill's quadratic yield function of 1948 with isotropic hardening: one
-/// material point, one increment. All components are in the rolling frame: 1 along the rolling direction, which turns
-/// with the material (polar frame).
+/// Plane-stress plasticity of a rolled sheet, Hill's quadratic yield function of 1948 with isotropic hardening, over
+/// `Real`: what the return (return_mapping.hpp) needs of it. All components are in the rolling frame: 1 along the
+/// rolling direction, which turns with the material (polar frame).
 ///
 /// Source: Hill, Proc. R. Soc. A 193 (1948). From the ratios r = width / thickness plastic strain of bars cut at 0, 45
 /// and 90 deg to the rolling direction, with the yield stress of the *rolling direction* as reference:
@@ -18,52 +18,53 @@
 /// do not mix:
 ///
 ///   y_i = y_i* / (1 + k_i l),    s_eq^2 = sum k_i y_i^2                                                 (R4)
-///   g(l) = s_eq(l) - sigma_y(p + l s_eq(l)) = 0,   dp = l s_eq                                          (R5)
 ///
-/// where * is the elastic trial state. As for J2 (j2_law.hpp), s_eq(l) falls and l s_eq(l) rises, so without softening
-/// (R5) has exactly one root.
+/// where * is the elastic trial state.
 #pragma once
 
-#include <array>
-
-#include "solver_metal/j2_law.hpp"
+#include "simd/pack.hpp"
+#include "solver_metal/law_constants.hpp"
+#include "solver_metal/symmetric2.hpp"
 
 namespace interply::metal {
+namespace {
 
-/// Coefficients of (R1).
-struct Hill48Coefficients {
-  double h = 0.5, p = 1, q = 3;
+template <class Real>
+struct Hill48 {
+  static constexpr int kModes = 3;
+  explicit Hill48(const LawConstants& law)
+      : law(law),
+        sum_modulus(law.sum_modulus),
+        twice_shear(law.twice_shear),
+        rate{Real(law.rate[0]), Real(law.rate[1]), Real(law.rate[2])} {}
+
+  const LawConstants& law;
+  Real sum_modulus, twice_shear, rate[kModes];
+
+  Tensor<Real> compute_trial(const Tensor<Real>& stress, const Tensor<Real>& de, Real (&square)[kModes]) const {
+    const Real half(0.5), a = sum_modulus * (de.m11 + de.m22), b = twice_shear * (de.m11 - de.m22);
+    const Tensor<Real> s = stress + Tensor<Real>{half * (a + b), half * (a - b), twice_shear * de.m12};
+    const Real y0 = to_mode(0, s), y1 = to_mode(1, s), y2 = Real(1 / law.shear_root) * s.m12;
+    square[0] = rate[0] * y0 * y0;
+    square[1] = rate[1] * y1 * y1;
+    square[2] = rate[2] * y2 * y2;
+    return s;
+  }
+  /// Stress (R4) of points that return.
+  Real shrink(const Real& l, Tensor<Real>& s) const {
+    const Real one(1.0), f0 = one + rate[0] * l, f1 = one + rate[1] * l, f2 = one + rate[2] * l;
+    const Real inverse = one / (f0 * f1 * f2);
+    const Real y0 = to_mode(0, s) * (f1 * f2 * inverse), y1 = to_mode(1, s) * (f0 * f2 * inverse);
+    s = {Real(law.from_mode[0][0]) * y0 + Real(law.from_mode[0][1]) * y1,
+         Real(law.from_mode[1][0]) * y0 + Real(law.from_mode[1][1]) * y1, s.m12 * (f0 * f1 * inverse)};
+    return l * (Real(1 - law.coefficients.h) * s.m11 + Real(law.coefficients.p - law.coefficients.h) * s.m22);
+  }
+
+ private:
+  Real to_mode(int i, const Tensor<Real>& s) const {
+    return Real(law.to_mode[i][0]) * s.m11 + Real(law.to_mode[i][1]) * s.m22;
+  }
 };
 
-/// @pre all r > 0
-Hill48Coefficients compute_hill48_coefficients(const scene::Hill48& r);
-
-/// s_eq of (R1), MPa.
-inline double compute_hill48(const Hill48Coefficients& c, const Symmetric2& s) {
-  return std::sqrt(s.m11 * s.m11 - 2 * c.h * s.m11 * s.m22 + c.p * s.m22 * s.m22 + c.q * s.m12 * s.m12);
-}
-
-/// What the update needs: elasticity and hardening of `j2`, the coefficients, and the modes of (R4).
-struct Hill48Constants {
-  /// @pre law.hill48
-  explicit Hill48Constants(const scene::J2Law& law);
-
-  J2Constants j2;
-  Hill48Coefficients coefficients;
-  std::array<double, 3> rate{};               ///< k_i, MPa; the third is the shear
-  double to_mode[2][2]{}, from_mode[2][2]{};  ///< V' C^(-1/2) and C^(1/2) V of (s11, s22)
-  double shear_root = 0;                      ///< sqrt(G): s12 = shear_root y_3
-};
-
-/// Returns the trial modes to the yield surface; called by update_point() for a state outside it.
-/// @param square  k_i y_i*^2, MPa2
-/// @param point   plastic_strain and yield advance
-/// @return l of (R5), 1/MPa
-double update_plastic_strain(const Hill48Constants& law, const std::array<double, 3>& square, J2Point& point);
-
-/// Advances a point by a strain increment in the rolling frame.
-/// @param de  logarithmic strain increment
-/// @return thickness strain increment: -nu/E d(s11 + s22) - (dp11 + dp22), plastic flow being incompressible
-double update_point(const Hill48Constants& law, const Symmetric2& de, J2Point& point);
-
+}  // namespace
 }  // namespace interply::metal

@@ -1,51 +1,45 @@
-/// A J2 or Hill48 law as plain numbers, for kernels (metal_kernels.hpp).
+/// A J2 or Hill48 law in the form that its update needs.
 #pragma once
+
+#include "scene/scene.hpp"
 
 namespace interply::metal {
 
-struct J2Constants;
-struct Hill48Constants;
-
-/// Formulas of hardening.hpp.
-enum class Curve { Swift, Voce, HockettSherby, Table };
-
-/// Constants of a hardening curve; those that its formula does not have stay 0.
-struct CurveConstants {
-  Curve curve = Curve::Swift;
-  double strength = 0;             ///< K or s_inf, MPa
-  double start = 0;                ///< s0, MPa
-  double offset = 0;               ///< e0
-  double rate = 0;                 ///< rate
-  double exponent = 0;             ///< n
-  const double* points = nullptr;  ///< of the table: strain, stress (MPa), strain, stress, ...
-  int n_points = 0;
+/// Coefficients of (R1), hill48.hpp.
+struct Hill48Coefficients {
+  double h = 0.5, p = 1, q = 3;
 };
 
-/// Constants of j2_law.hpp and hill48.hpp.
+/// @pre all r > 0
+Hill48Coefficients compute_hill48_coefficients(const scene::Hill48& r);
+
 struct LawConstants {
-  double young = 0, poisson = 0;            ///< E, MPa; nu
-  double sum_modulus = 0, twice_shear = 0;  ///< MPa
-  CurveConstants curve;
-  const J2Constants* j2 = nullptr;          ///< what these are made of
-  const Hill48Constants* hill48 = nullptr;  ///< null for J2
+  explicit LawConstants(const scene::J2Law& law);
 
-  // Hill48
-  double h = 0, p = 0, q = 0;  ///< of (R1)
-  double rate[3] = {};         ///< k_i of (R4), MPa
-  double to_mode[2][2] = {}, from_mode[2][2] = {}, shear_root = 0;
+  double young, poisson;  ///< E, MPa; nu
+  double sum_modulus;     ///< E/(1-nu): s11 + s22 over e11 + e22, MPa
+  double twice_shear;     ///< 2G: s11 - s22 over e11 - e22 and s12 over e12, MPa
+  scene::Hardening hardening;
+  bool is_hill48;
+
+  // hill48.hpp
+  Hill48Coefficients coefficients;
+  double rate[3] = {};                        ///< k_i of (R4), MPa; the third is the shear
+  double to_mode[2][2]{}, from_mode[2][2]{};  ///< V' C^(-1/2) and C^(1/2) V of (s11, s22)
+  double shear_root = 0;                      ///< sqrt(G): s12 = shear_root y_3
 };
-
-/// What is given outlives the constants. @param hill48  null for J2
-LawConstants make_law_constants(const J2Constants& j2, const Hill48Constants* hill48);
 
 /// Hardening of a point and the multiplier of its last increment.
-struct PlasticPoint {
-  double plastic_strain = 0, yield_stress = 0, yield_slope = 0;  ///< p, sigma_y(p) and its slope, MPa
-  double multiplier = 0;                                         ///< l of (J3) or (R5), 1/MPa
+template <class Real>
+struct Plastic {
+  Real strain;                     ///< p, equivalent plastic strain
+  Real yield_stress, yield_slope;  ///< sigma_y(p) and its slope, MPa
+  Real multiplier;                 ///< l of (J3), 1/MPa; 0 where the point stayed elastic
 };
 
-/// The return by the reference code, for points at which a kernel does not converge.
-/// @param square  k_i y_i*^2 of each mode: its share in s_eq^2 of the trial state, MPa2; of J2 a*^2/4 and the rest
-PlasticPoint return_to_yield_surface(const LawConstants& law, const double* square, PlasticPoint point);
+/// The bracketed return (return_mapping.hpp), for points at which Halley's method does not converge. It is compiled
+/// once, so that its bits do not depend on the width of the packs.
+/// @param square  share of each mode in s_eq^2 of the trial state, MPa2
+Plastic<double> return_to_yield_surface(const LawConstants& law, const double* square, const Plastic<double>& start);
 
 }  // namespace interply::metal

@@ -1,11 +1,26 @@
-/// One material point of a sheet under uniaxial tension, for calibration.
+/// One material point of a sheet: an increment of its law, and uniaxial tension, for calibration.
 #pragma once
 
 #include <vector>
 
-#include "scene/scene.hpp"
+#include "solver_metal/hardening.hpp"
+#include "solver_metal/law_constants.hpp"
+#include "solver_metal/symmetric2.hpp"
 
 namespace interply::metal {
+
+/// State of one point. `yield` always equals sigma_y(plastic_strain), so that an elastic step never evaluates the
+/// curve.
+struct J2Point {
+  Symmetric2 stress{};          ///< Cauchy, plane stress, in the polar (Hill48: rolling) frame, MPa
+  double plastic_strain = 0;    ///< p, equivalent
+  YieldStress<double> yield{};  ///< sigma_y(p) and its slope
+};
+
+/// Advances a point by a strain increment.
+/// @param de  logarithmic strain increment, in the frame of the stress
+/// @return thickness strain increment: -nu/E d(s11 + s22) - (dp11 + dp22), plastic flow being incompressible
+double update_point(const LawConstants& law, const Symmetric2& de, J2Point& point);
 
 struct MetalPoint {
   double strain = 0;            ///< true (logarithmic) strain along the bar

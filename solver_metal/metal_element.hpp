@@ -23,14 +23,14 @@ namespace interply::metal {
 
 /// Measures of one element at one instant, in the reference frame x, y.
 struct ElementShape {
-  Symmetric2 metric;      ///< C = F'F
-  Symmetric2 curvature;   ///< kappa, 1/mm
-  double area_ratio = 1;  ///< J = sqrt(det C)
+  Symmetric2 metric{};     ///< C = F'F
+  Symmetric2 curvature{};  ///< kappa, 1/mm
+  double area_ratio = 1;   ///< J = sqrt(det C)
 };
 
 /// Logarithmic strain increment of the fibre at xi: membrane + xi * bending.
 struct StrainIncrement {
-  Symmetric2 membrane, bending;
+  Symmetric2 membrane{}, bending{};
 };
 
 /// (E1). The thickness at the middle of the step is the one of constant volume, exact for plastic flow; its elastic
@@ -47,7 +47,7 @@ inline StrainIncrement compute_strain_increment(const ElementShape& before, cons
 
 /// Membrane force N (N/mm) and moment M (N), contravariant components in the reference frame per reference width.
 struct Resultants {
-  Symmetric2 force, moment;
+  Symmetric2 force{}, moment{};
 };
 
 /// (E2).

@@ -1,14 +1,17 @@
 #include "solver_metal/metal_kernels.hpp"
 
 #include "mechanics/shell_kernels.hpp"
-#include "solver_metal/pack_law.hpp"
+#include "solver_metal/hill48.hpp"
+#include "solver_metal/j2_law.hpp"
+#include "solver_metal/return_mapping.hpp"
+#include "solver_metal/stable_increment.hpp"
 
 namespace interply::metal {
 namespace {
 
 using simd::Index;
 using Real = simd::Pack;
-using Tensor = PackTensor<Real>;
+using PackTensor = Tensor<Real>;
 
 /// First point of a pack at which `good` does not hold, or -1.
 template <class Lanes>
@@ -34,30 +37,13 @@ Index compute_facets(const mechanics::ShellRows& shell, const double* const x[3]
   return bad;
 }
 
-/// u x u.
-Tensor compute_congruence(const Tensor& u, const Tensor& x) {
-  const Real a11 = u.m11 * x.m11 + u.m12 * x.m12, a12 = u.m11 * x.m12 + u.m12 * x.m22;
-  const Real a21 = u.m12 * x.m11 + u.m22 * x.m12, a22 = u.m12 * x.m12 + u.m22 * x.m22;
-  return {a11 * u.m11 + a12 * u.m12, a21 * u.m12 + a22 * u.m22, a11 * u.m12 + a12 * u.m22};
-}
-
-/// (S1).
-Tensor compute_inverse_stretch(const Tensor& c, const Real& j) {
-  const Real s = Real(1.0) / (j * simd::sqrt(c.m11 + c.m22 + j + j));
-  return {s * (c.m22 + j), s * (c.m11 + j), -s * c.m12};
-}
-
-Real compute_determinant(const Tensor& a) { return a.m11 * a.m22 - a.m12 * a.m12; }
-
-Real contract(const Tensor& a, const Tensor& b) { return a.m11 * b.m11 + a.m22 * b.m22 + Real(2.0) * (a.m12 * b.m12); }
-
 template <class Lanes>
-Tensor load(const Lanes& lanes, const double* const row[3]) {
+PackTensor load(const Lanes& lanes, const double* const row[3]) {
   return {lanes.load(row[0]), lanes.load(row[1]), lanes.load(row[2])};
 }
 
 template <class Lanes>
-void store(const Lanes& lanes, double* const row[3], const Tensor& a) {
+void store(const Lanes& lanes, double* const row[3], const PackTensor& a) {
   lanes.store(row[0], a.m11);
   lanes.store(row[1], a.m22);
   lanes.store(row[2], a.m12);
@@ -65,7 +51,7 @@ void store(const Lanes& lanes, double* const row[3], const Tensor& a) {
 
 /// Thickness means of stress, moment, thickness strain and stress work per volume.
 struct Means {
-  Tensor force, moment;
+  PackTensor force, moment;
   Real strain, work;
 };
 
@@ -73,10 +59,10 @@ struct Means {
 /// where it yields somewhere in the pack.
 template <class Law, class Curve, class Lanes>
 Means advance_points(const SheetRows& sheet, const LawConstants& constants, const Law& law, const Curve& curve,
-                     const Lanes& lanes, const Tensor& membrane, const Tensor& bending) {
+                     const Lanes& lanes, const PackTensor& membrane, const PackTensor& bending) {
   const Index n = sheet.n;
-  Tensor stress[kMostPoints];
-  PackReturn<Law::kModes, Real> returns[kMostPoints];
+  PackTensor stress[kMostPoints];
+  Return<Law::kModes, Real> returns[kMostPoints];
   int return_of[kMostPoints], n_returns = 0;
   for (int i = 0; i < sheet.n_points; ++i) {
     const double* const rows[3] = {sheet.stress + 3 * i * n, sheet.stress + (3 * i + 1) * n,
@@ -100,23 +86,23 @@ Means advance_points(const SheetRows& sheet, const LawConstants& constants, cons
     const Real weight(sheet.weight[i]), xi(sheet.xi[i]), half_weight(0.5 * sheet.weight[i]);
     Real plastic = zero;
     if (return_of[i] >= 0) {
-      const PackPoint<Real>& point = returns[return_of[i]].end;
+      const Plastic<Real>& point = returns[return_of[i]].end;
       const simd::Mask<Real> yields = point.multiplier > zero;
-      Tensor s = stress[i];
+      PackTensor s = stress[i];
       plastic = simd::select(yields, law.shrink(point.multiplier, s), zero);
       stress[i] = {simd::select(yields, s.m11, stress[i].m11), simd::select(yields, s.m22, stress[i].m22),
                    simd::select(yields, s.m12, stress[i].m12)};
-      lanes.store(sheet.plastic_strain + i * n, point.plastic_strain);
+      lanes.store(sheet.plastic_strain + i * n, point.strain);
       lanes.store(sheet.yield_stress + i * n, point.yield_stress);
       lanes.store(sheet.yield_slope + i * n, point.yield_slope);
     }
     double* const rows[3] = {sheet.stress + 3 * i * n, sheet.stress + (3 * i + 1) * n, sheet.stress + (3 * i + 2) * n};
-    const Tensor& s = stress[i];
-    const Tensor before = load(lanes, rows);
+    const PackTensor& s = stress[i];
+    const PackTensor before = load(lanes, rows);
     store(lanes, rows, s);
     mean.strain += weight * (lateral * (s.m11 + s.m22 - before.m11 - before.m22) - plastic);
     mean.work += half_weight * contract(before + s, membrane + xi * bending);
-    const Tensor part = weight * s;
+    const PackTensor part = weight * s;
     mean.force = mean.force + part;
     mean.moment = mean.moment + xi * part;
   }
@@ -131,16 +117,16 @@ simd::Mask<Real> advance_pack(const mechanics::ShellRows& shell, const SheetRows
   const Real half(0.5);
   const auto f = mechanics::load_facet<Real>(shell, lanes);
   const auto k = mechanics::compute_curvature<Real>(shell, lanes, f, phi);
-  const Tensor metric{dot(f.f1, f.f1), dot(f.f2, f.f2), dot(f.f1, f.f2)}, curvature{k.k11, k.k22, k.k12};
-  const Tensor old_metric = load(lanes, sheet.metric), old_curvature = load(lanes, sheet.curvature);
-  const Real old_thickness = lanes.load(sheet.thickness), old_ratio = simd::sqrt(compute_determinant(old_metric));
+  const PackTensor metric{dot(f.f1, f.f1), dot(f.f2, f.f2), dot(f.f1, f.f2)}, curvature{k.k11, k.k22, k.k12};
+  const PackTensor old_metric = load(lanes, sheet.metric), old_curvature = load(lanes, sheet.curvature);
+  const Real old_thickness = lanes.load(sheet.thickness), old_ratio = simd::sqrt(old_metric.determinant());
 
-  const Tensor middle = half * (old_metric + metric);
-  const Real j = simd::sqrt(compute_determinant(middle));
-  const Tensor um = compute_inverse_stretch(middle, j);
-  const Real half_thickness = half * old_thickness * old_ratio / j;                             // of constant volume
-  const Tensor membrane = compute_congruence(um, half * (metric - old_metric));                 // (E1)
-  const Tensor bending = compute_congruence(um, half_thickness * (old_curvature - curvature));  // (E1)
+  const PackTensor middle = half * (old_metric + metric);
+  const Real j = simd::sqrt(middle.determinant());
+  const PackTensor um = compute_inverse_stretch(middle, j);
+  const Real half_thickness = half * old_thickness * old_ratio / j;                  // of constant volume
+  const PackTensor membrane = compute_congruence(um, half * (metric - old_metric));  // (E1)
+  const PackTensor bending = compute_congruence(um, half_thickness * (old_curvature - curvature));  // (E1)
   const Means mean = advance_points(sheet, constants, law, curve, lanes, membrane, bending);
 
   const Real thickness = old_thickness * simd::exp(mean.strain);
@@ -149,9 +135,9 @@ simd::Mask<Real> advance_pack(const mechanics::ShellRows& shell, const SheetRows
   lanes.store(sheet.thickness, thickness);
   store(lanes, sheet.metric, metric);
   store(lanes, sheet.curvature, curvature);
-  const Tensor u = compute_inverse_stretch(metric, f.area_ratio);
-  const Tensor force = compute_congruence(u, (k.area * volume) * mean.force);               // A N of (E2)
-  const Tensor moment = compute_congruence(u, (-half * thickness * volume) * mean.moment);  // (E2)
+  const PackTensor u = compute_inverse_stretch(metric, f.area_ratio);
+  const PackTensor force = compute_congruence(u, (k.area * volume) * mean.force);               // A N of (E2)
+  const PackTensor moment = compute_congruence(u, (-half * thickness * volume) * mean.moment);  // (E2)
   mechanics::store_membrane(shell, lanes, force.m11, force.m22, force.m12);
   mechanics::store_moments(shell, lanes, k, moment.m11, moment.m22, moment.m12);
   return (thickness > Real(0.0)) & (thickness < Real(1e300));
@@ -173,9 +159,9 @@ SheetAdvance advance_law(const mechanics::ShellRows& shell, const SheetRows& she
 
 SheetAdvance advance(const mechanics::ShellRows& shell, const SheetRows& sheet, const LawConstants& law,
                      const double* phi, Index begin, Index end) {
-  return with_curve(law.curve, [&](const auto& curve) {
-    return law.hill48 ? advance_law<Hill48Pack<Real>>(shell, sheet, law, curve, phi, begin, end)
-                      : advance_law<J2Pack<Real>>(shell, sheet, law, curve, phi, begin, end);
+  return with_curve(law.hardening, [&](const auto& curve) {
+    return law.is_hill48 ? advance_law<Hill48<Real>>(shell, sheet, law, curve, phi, begin, end)
+                         : advance_law<J2<Real>>(shell, sheet, law, curve, phi, begin, end);
   });
 }
 
@@ -187,8 +173,8 @@ struct Corners {
 
 template <class Lanes>
 Corners compute_corners(const mechanics::ShellRows& shell, const SheetRows& sheet, const Lanes& lanes,
-                        const Tensor& metric, const Real& j) {
-  const Tensor u = compute_inverse_stretch(metric, j);
+                        const PackTensor& metric, const Real& j) {
+  const PackTensor u = compute_inverse_stretch(metric, j);
   const auto n = mechanics::load_gradient<Real>(shell, lanes);
   Corners c;
   for (int k = 0; k < 3; ++k) {
@@ -201,8 +187,8 @@ Corners compute_corners(const mechanics::ShellRows& shell, const SheetRows& shee
 
 void add_nodal_stiffness(const mechanics::ShellRows& shell, const SheetRows& sheet, double* q) {
   simd::for_each_pack<Real>(0, sheet.n, [&](const auto& lanes) {
-    const Tensor metric = load(lanes, sheet.metric);
-    const Corners c = compute_corners(shell, sheet, lanes, metric, simd::sqrt(compute_determinant(metric)));
+    const PackTensor metric = load(lanes, sheet.metric);
+    const Corners c = compute_corners(shell, sheet, lanes, metric, simd::sqrt(metric.determinant()));
     alignas(64) double share[3][simd::kWidth<Real>];
     for (int k = 0; k < 3; ++k) simd::write_lanes(share[k], c.volume * c.square(k));
     for (int l = 0; l < lanes.count(); ++l)
@@ -210,40 +196,14 @@ void add_nodal_stiffness(const mechanics::ShellRows& shell, const SheetRows& she
   });
 }
 
-/// compute_principal().
-struct Principal {
-  Real first, second;
-};
-
-Principal compute_principal(const Tensor& a) {
-  const Real mean = Real(0.5) * (a.m11 + a.m22), half = Real(0.5) * (a.m11 - a.m22);
-  const Real radius = simd::sqrt(half * half + a.m12 * a.m12);
-  return {mean + radius, mean - radius};
-}
-
-/// (T2).
-Real bound_membrane_frequency2(const Tensor& gram, double young, double poisson, const Real& stress) {
-  const auto [g1, g2] = compute_principal(gram);
-  const double d11 = young / (1 - poisson * poisson), d12 = poisson * d11, shear = 0.5 * young / (1 + poisson);
-  const Real half = Real(0.5 * d11) * (g1 - g2);
-  const Real normal = Real(0.5 * d11) * (g1 + g2) + simd::sqrt(half * half + Real(d12 * d12) * g1 * g2);
-  return simd::max(normal, Real(shear) * (g1 + g2)) + Real(3.0) * stress * g1;
-}
-
-/// (T3).
-Real compute_bending_growth(const Tensor& metric, const Real& j, const Real& t) {
-  const auto [most, least] = compute_principal(metric);
-  return j * t * t * t / (least * least) * simd::max(Real(1.0), most);
-}
-
 double bound_frequency2(const mechanics::ShellRows& shell, const SheetRows& sheet, const IncrementRows& rows,
                         Index begin, Index end) {
   Real highest(0.0);
   simd::for_each_pack<Real>(begin, end, [&](const auto& lanes) {
-    const Tensor metric = load(lanes, sheet.metric);
-    const Real j = simd::sqrt(compute_determinant(metric));
+    const PackTensor metric = load(lanes, sheet.metric);
+    const Real j = simd::sqrt(metric.determinant());
     const Corners c = compute_corners(shell, sheet, lanes, metric, j);
-    Tensor gram{Real(0.0), Real(0.0), Real(0.0)};
+    PackTensor gram{Real(0.0), Real(0.0), Real(0.0)};
     for (int k = 0; k < 3; ++k) {
       const Real weight = simd::gather<Real>(rows.nodal_stiffness, lanes.load(shell.node[k])) / c.square(k);
       gram.m11 += weight * c.g1[k] * c.g1[k];

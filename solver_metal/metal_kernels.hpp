@@ -1,5 +1,5 @@
 /// The passes of a sheet that its law enters, compiled for each target of simd/target.hpp: J2 and Hill48, elements
-/// innermost. The plain reference of every step is metal_element.hpp, j2_law.hpp and hill48.hpp.
+/// innermost.
 #pragma once
 
 #include <cstddef>

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "solver_metal/hardening.hpp"
+
 namespace interply::metal {
 
 namespace {
@@ -32,11 +34,6 @@ scene::J2Law find_j2(const scene::Layer& layer) {
   return law ? *law : scene::J2Law{};
 }
 
-std::optional<Hill48Constants> make_hill48(const scene::Layer& layer) {
-  const scene::J2Law law = find_j2(layer);
-  return law.hill48 ? std::optional<Hill48Constants>(law) : std::nullopt;
-}
-
 /// Of the reference frame from x, rad: the rolling direction, where there is one.
 double find_frame_angle(const scene::Layer& layer) {
   const auto* law = std::get_if<scene::J2Law>(&layer.law);
@@ -50,7 +47,7 @@ std::unique_ptr<VumatSection> make_own(const scene::Layer& layer, const Thicknes
 }
 
 /// D over (k11, k22, 2 k12) of the elastic sheet, N mm.
-Eigen::Matrix3d compute_plate_stiffness(const J2Constants& law, const VumatSection* own, const ThicknessRule& rule,
+Eigen::Matrix3d compute_plate_stiffness(const LawConstants& law, const VumatSection* own, const ThicknessRule& rule,
                                         double t) {
   if (own) return 0.25 * rule.second_moment() * t * t * t * own->initial_tangent();
   Eigen::Matrix3d d;
@@ -63,8 +60,6 @@ Eigen::Matrix3d compute_plate_stiffness(const J2Constants& law, const VumatSecti
 MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanics::TriangleMesh& mesh)
     : name_(layer.name),
       law_(find_j2(layer)),
-      hill48_(make_hill48(layer)),
-      constants_(make_law_constants(law_, hill48_ ? &*hill48_ : nullptr)),
       rule_(make_lobatto_rule(layer.integration_points)),
       thickness0_(layer.thickness),
       own_(make_own(layer, rule_, mesh)),
@@ -84,7 +79,7 @@ MetalLayer::MetalLayer(const scene::Layer& layer, double density, const mechanic
   curvature_ = Rows::Zero(3, n);
   stress_ = Rows::Zero(3 * points, n);
   plastic_strain_ = Rows::Zero(points, n);
-  const YieldStress initial = compute_yield_stress(law_.hardening, 0);
+  const YieldStress<double> initial = compute_yield_stress(law_.hardening, 0);
   yield_stress_ = Rows::Constant(points, n, initial.stress);
   yield_slope_ = Rows::Constant(points, n, initial.slope);
   thickness_ = mechanics::Scalars::Constant(n, layer.thickness);
@@ -119,7 +114,7 @@ void MetalLayer::compute_internal_forces(const mechanics::NodalVectors& position
   const double* const phi = shell_.edges().angle().data();
   const auto advance = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
     blocks_[static_cast<std::size_t>(block)] =
-        own_ ? advance_own(begin, end) : kernels_.advance(shell_.rows(), rows_, constants_, phi, begin, end);
+        own_ ? advance_own(begin, end) : kernels_.advance(shell_.rows(), rows_, law_, phi, begin, end);
   };
   const solve::Shell::Result result = shell_.compute_forces(now.dt, facets, advance, force);
   if (result.bad >= 0) report(result.bad, position, now.time);
@@ -163,18 +158,16 @@ SheetAdvance MetalLayer::advance_own(Eigen::Index begin, Eigen::Index end) {
   return result;
 }
 
-J2Point MetalLayer::load_point(int i, Eigen::Index e) const {
-  return {load(stress_, 3 * i, e), plastic_strain_(i, e), {yield_stress_(i, e), yield_slope_(i, e)}};
-}
+Symmetric2 MetalLayer::load_stress(int i, Eigen::Index e) const { return load(stress_, 3 * i, e); }
 
 Resultants MetalLayer::take_own_element(Eigen::Index e, const OwnStep& step, double& work) {
   const double thickness_before = thickness_(e);
-  Symmetric2 mean, moment;
+  Symmetric2 mean{}, moment{};
   double thickness_strain = 0, stress_work = 0;
   for (int i = 0; i < rule_.size(); ++i) {
     const double w = rule_.weight[i], xi = rule_.point[i];
     const Symmetric2 stress_before = load(stress_, 3 * i, e);
-    Symmetric2 stress;
+    Symmetric2 stress{};
     thickness_strain += w * own_->take(e, i, stress);
     stress_work += w * 0.5 * contract(stress_before + stress, step.strain.membrane + xi * step.strain.bending);
     mean = mean + w * stress;

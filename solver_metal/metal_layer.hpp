@@ -2,13 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "solve/layer_mechanics.hpp"
 #include "solve/shell.hpp"
-#include "solver_metal/hill48.hpp"
-#include "solver_metal/j2_law.hpp"
+#include "solver_metal/law_constants.hpp"
 #include "solver_metal/lobatto.hpp"
 #include "solver_metal/metal_element.hpp"
 #include "solver_metal/metal_kernels.hpp"
@@ -43,7 +41,7 @@ class MetalLayer : public solve::LayerMechanics {
  private:
   Eigen::Index n_elements() const { return shell_.n_elements(); }
   SheetRows make_rows();
-  J2Point load_point(int i, Eigen::Index e) const;
+  Symmetric2 load_stress(int i, Eigen::Index e) const;
   /// Second pass of an own law; as SheetAdvance of metal_kernels.hpp.
   SheetAdvance advance_own(Eigen::Index begin, Eigen::Index end);
   /// One element's way through advance_own().
@@ -58,9 +56,7 @@ class MetalLayer : public solve::LayerMechanics {
   [[noreturn]] void report(Eigen::Index e, const mechanics::NodalVectors& position, double time) const;
 
   std::string name_;
-  J2Constants law_;
-  std::optional<Hill48Constants> hill48_;
-  LawConstants constants_;  // of these two
+  LawConstants law_;
   ThicknessRule rule_;
   double thickness0_;                  // mm
   std::unique_ptr<VumatSection> own_;  // the user's law and its history, or null

@@ -1,6 +1,7 @@
 /// What a sheet shows: fields of a frame, nodal thickness, summary, digest.
 #include <algorithm>
 
+#include "solver_metal/j2_law.hpp"
 #include "solver_metal/metal_layer.hpp"
 
 namespace interply::metal {
@@ -32,16 +33,14 @@ mechanics::Scalars MetalLayer::compute_nodal_thickness() const {
 std::vector<observe::Field> MetalLayer::compute_fields(const mechanics::NodalVectors&) const {
   const Eigen::Index n = n_elements();
   const int points = rule_.size(), low = (points - 1) / 2, high = points / 2;  // equal for an odd number of points
-  const auto midsurface = [&](Eigen::Index e) {
-    return 0.5 * (load_point(low, e).stress + load_point(high, e).stress);
-  };
+  const auto midsurface = [&](Eigen::Index e) { return 0.5 * (load_stress(low, e) + load_stress(high, e)); };
   const auto mean_strain = [&](Eigen::Index e) {
     double sum = 0;
     for (int i = 0; i < points; ++i) sum += rule_.weight[i] * plastic_strain_(i, e);
     return sum;
   };
   const auto stretches = [&](Eigen::Index e) {
-    return compute_principal({metric_(0, e), metric_(1, e), metric_(2, e)});
+    return compute_principal(Symmetric2{metric_(0, e), metric_(1, e), metric_(2, e)});
   };
   std::vector<observe::Field> fields{
       make_field("thickness", "mm", "current thickness", n, [&](auto e) { return thickness_(e); }),
@@ -81,7 +80,7 @@ Eigen::ArrayXXd MetalLayer::compute_trust_quantities(const mechanics::NodalVecto
 std::vector<exchange::SummaryItem> MetalLayer::summarise(const mechanics::NodalVectors&) const {
   double von_mises = 0;
   for (Eigen::Index e = 0; e < n_elements(); ++e)
-    for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_point(i, e).stress));
+    for (int i = 0; i < rule_.size(); ++i) von_mises = std::max(von_mises, compute_von_mises(load_stress(i, e)));
   std::vector<exchange::SummaryItem> items;
   if (!own_) items.push_back({"plastic strain up to", "-", plastic_strain_.maxCoeff()});
   items.push_back({"thinning up to", "%", 100 * (1 - thickness_.minCoeff() / thickness0_)});

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "support/reference_law.hpp"
+
 namespace interply::metal {
 namespace {
 
@@ -31,6 +33,22 @@ TEST(Hardening, TableIsLinearBetweenAndConstantBeyondItsPoints) {
   EXPECT_DOUBLE_EQ(compute_yield_stress(kTable, 2).stress, 350);
   EXPECT_DOUBLE_EQ(compute_yield_stress(kTable, 2).slope, 0);
   EXPECT_DOUBLE_EQ(compute_yield_stress(scene::HardeningTable{{{{0.1, 50.0}}}}, 0).stress, 50);
+}
+
+TEST(Hardening, IsTheFormulaOfTheScene) {
+  for (const scene::Hardening& h : {scene::Hardening{kSwift}, {kVoce}, {kHockettSherby}, {kTable}})
+    for (const double p : {0.0, 1e-9, 1e-5, 0.01, 0.1, 0.37, 2.0})
+      EXPECT_NEAR(compute_yield_stress(h, p).stress, test::compute_reference_yield(h, p), 1e-12) << h.index();
+}
+
+/// However suddenly the curve rises from there.
+TEST(Hardening, BeginsAtTheInitialYieldStressWithASlopeThatIsANumber) {
+  for (const double n : {0.01, 0.4, 1.0, 1.5}) {
+    const YieldStress<double> y = compute_yield_stress(scene::HockettSherby{160, 420, 5, n}, 0);
+    EXPECT_DOUBLE_EQ(y.stress, 160);
+    EXPECT_GE(y.slope, 0) << n;
+    EXPECT_NEAR(y.slope, 260 * 5, n == 1 ? 1e-9 : INFINITY) << n;
+  }
 }
 
 TEST(Hardening, SlopeIsTheDerivative) {

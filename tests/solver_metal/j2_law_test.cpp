@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "solver_metal/material_point.hpp"
 #include "support/metal_sheet.hpp"
 
 namespace interply::metal {
@@ -13,7 +14,7 @@ namespace {
 /// Every law inherits these tests.
 class J2Law : public testing::TestWithParam<scene::J2Law> {
  protected:
-  J2Constants law{GetParam()};
+  LawConstants law{GetParam()};
   J2Point start{{}, 0, compute_yield_stress(law.hardening, 0)};
 };
 
@@ -26,7 +27,7 @@ const scene::J2Law kLaws[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Hardening, J2Law, testing::ValuesIn(kLaws));
 
-Symmetric2 compute_elastic_stress(const J2Constants& law, const Symmetric2& e) {
+Symmetric2 compute_elastic_stress(const LawConstants& law, const Symmetric2& e) {
   const double d = law.young / (1 - law.poisson * law.poisson);
   return {d * (e.m11 + law.poisson * e.m22), d * (e.m22 + law.poisson * e.m11), law.young / (1 + law.poisson) * e.m12};
 }
@@ -70,16 +71,16 @@ TEST_P(J2Law, PlasticStepFulfilsFlowRuleElasticityAndYieldCondition) {
 }
 
 /// Rate equations by forward Euler with the continuum tangent: an independent integration of the same law.
-J2Point integrate_rates(const J2Constants& law, J2Point point, const Symmetric2& e, int steps) {
+J2Point integrate_rates(const LawConstants& law, J2Point point, const Symmetric2& e, int steps) {
   const Symmetric2 de = (1.0 / steps) * e;
   for (int i = 0; i < steps; ++i) {
     const Symmetric2 trial = compute_elastic_stress(law, de);
     const auto& s = point.stress;
     const double s_eq = compute_von_mises(s), mean = s.trace() / 3;
-    YieldStress y = compute_yield_stress(law.hardening, point.plastic_strain);
+    YieldStress<double> y = compute_yield_stress(law.hardening, point.plastic_strain);
     y.slope = compute_yield_stress(law.hardening, point.plastic_strain + 1e-8).slope;  // infinite at 0 for some laws
     double dp = 0;
-    Symmetric2 flow;
+    Symmetric2 flow{};
     if (s_eq >= y.stress) {
       flow = (1.5 / s_eq) * Symmetric2{s.m11 - mean, s.m22 - mean, s.m12};
       dp = std::fmax(0, contract(flow, trial) / (contract(flow, compute_elastic_stress(law, flow)) + y.slope));
@@ -142,7 +143,7 @@ TEST_P(J2Law, IsIsotropic) {
 /// Closed forms of rigid-plastic flow, which a very stiff elastic law approaches.
 class RigidPlasticSheet : public testing::Test {
  protected:
-  J2Constants law{{2.1e11, 0.3, scene::Swift{}}};
+  LawConstants law{scene::J2Law{2.1e11, 0.3, scene::Swift{}}};
   J2Point pull(const Symmetric2& direction, double strain, double& thickness) {
     J2Point point{{}, 0, compute_yield_stress(law.hardening, 0)};
     thickness = 0;

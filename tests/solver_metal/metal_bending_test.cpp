@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "solver_metal/material_point.hpp"
 #include "support/metal_sheet.hpp"
 
 namespace interply::metal::test {
@@ -88,7 +89,7 @@ TEST(MetalBending, ElasticPlasticMomentIsTheThroughThicknessIntegral) {
   const RolledStrip strip(6, 2);
   Sheet sheet(make_sheet(make_dc04(), 7), strip.mesh);
   const ThicknessRule rule = make_lobatto_rule(7);
-  const J2Constants law(make_dc04());
+  const LawConstants law(make_dc04());
   std::vector<J2Point> points(7, {{}, 0, compute_yield_stress(law.hardening, 0)});
   double t = 1, kappa = 0, moment = 0;
   for (int s = 1; s <= steps; ++s) {

@@ -80,7 +80,7 @@ TEST(MembraneFrequency, IsTheExactElementEigenvalueOnEvenShares) {
   // one right triangle with legs h: G = sum g g' (3/m) with equal shares m/3; its element stiffness assembled by hand
   const double h = 4, t = 1, young = 210e3, poisson = 0.3, area = h * h / 2, mass = kDensity * area * t / 3;
   const double g[3][2] = {{-1 / h, -1 / h}, {1 / h, 0}, {0, 1 / h}};
-  Symmetric2 gram;
+  Symmetric2 gram{};
   Eigen::Matrix<double, 3, 6> b = Eigen::Matrix<double, 3, 6>::Zero();
   for (int k = 0; k < 3; ++k) {
     gram = gram + (area * t / mass) * Symmetric2{g[k][0] * g[k][0], g[k][1] * g[k][1], g[k][0] * g[k][1]};
@@ -92,7 +92,7 @@ TEST(MembraneFrequency, IsTheExactElementEigenvalueOnEvenShares) {
   d *= young / (1 - poisson * poisson);
   const Eigen::Matrix<double, 6, 6> k = area * t / mass * b.transpose() * d * b;
   const double exact = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(k).eigenvalues()(5);
-  EXPECT_NEAR(bound_membrane_frequency2(gram, young, poisson, 0), exact, 1e-10 * exact);
+  EXPECT_NEAR(bound_membrane_frequency2(gram, young, poisson, 0.0), exact, 1e-10 * exact);
 }
 
 }  // namespace

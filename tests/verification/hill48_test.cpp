@@ -1,12 +1,11 @@
 /// Rolled sheet (Hill 1948): r-values and yield stresses over the angle, equibiaxial yield, and the return itself.
-#include "solver_metal/hill48.hpp"
-
 #include <Eigen/LU>
 #include <numbers>
 #include <random>
 
 #include "solver_metal/material_point.hpp"
 #include "support/metal_sheet.hpp"
+#include "support/reference_law.hpp"
 #include "support/results.hpp"
 
 namespace interply::metal {
@@ -23,9 +22,14 @@ scene::J2Law make_rolled(double r0, double r45, double r90) {
 /// Every r different: typical of a deep-drawing steel.
 scene::J2Law make_deep_drawing_steel() { return make_rolled(1.87, 1.35, 2.24); }
 
-J2Point make_start(const Hill48Constants& law) { return {{}, 0, compute_yield_stress(law.j2.hardening, 0)}; }
+/// s_eq of (R1), MPa.
+double compute_hill48(const Hill48Coefficients& c, const Symmetric2& s) {
+  return std::sqrt(s.m11 * s.m11 - 2 * c.h * s.m11 * s.m22 + c.p * s.m22 * s.m22 + c.q * s.m12 * s.m12);
+}
 
-Symmetric2 compute_elastic_strain(const J2Constants& law, const Symmetric2& s) {
+J2Point make_start(const LawConstants& law) { return {{}, 0, compute_yield_stress(law.hardening, 0)}; }
+
+Symmetric2 compute_elastic_strain(const LawConstants& law, const Symmetric2& s) {
   const double nu = law.poisson;
   return (1 / law.young) * Symmetric2{s.m11 - nu * s.m22, s.m22 - nu * s.m11, (1 + nu) * s.m12};
 }
@@ -33,13 +37,13 @@ Symmetric2 compute_elastic_strain(const J2Constants& law, const Symmetric2& s) {
 /// A coupon under stress t x factor, t fixed.
 struct Coupon {
   J2Point point;
-  Symmetric2 strain;
+  Symmetric2 strain{};
   double thickness = 0;  ///< strain
 };
 
 /// Strain increment with t : de = size that leaves the stress along t: Newton's method on the two stresses across it,
 /// tangent by differences.
-void pull(const Hill48Constants& law, const Symmetric2& t, double size, Coupon& coupon) {
+void pull(const LawConstants& law, const Symmetric2& t, double size, Coupon& coupon) {
   const Eigen::Vector3d along(t.m11, t.m22, 2 * t.m12);
   const Eigen::Vector3d first = Eigen::Vector3d(t.m22, -t.m11, 0) + Eigen::Vector3d(t.m12, t.m12, -t.m11 - t.m22);
   const Eigen::Vector3d stress_along(t.m11, t.m22, t.m12);
@@ -48,7 +52,7 @@ void pull(const Hill48Constants& law, const Symmetric2& t, double size, Coupon& 
     c.thickness += update_point(law, {x(0), x(1), x(2)}, c.point);
     c.strain = c.strain + Symmetric2{x(0), x(1), x(2)};
     const Eigen::Vector3d s(c.point.stress.m11, c.point.stress.m22, c.point.stress.m12);
-    return Eigen::Vector3d(first.dot(s), second.dot(s), law.j2.young * (along.dot(x) - size));
+    return Eigen::Vector3d(first.dot(s), second.dot(s), law.young * (along.dot(x) - size));
   };
   Eigen::Vector3d x = size * stress_along / along.dot(stress_along);
   for (int i = 0; i < 60; ++i) {
@@ -67,7 +71,7 @@ void pull(const Hill48Constants& law, const Symmetric2& t, double size, Coupon& 
   respond(x, coupon);
 }
 
-Coupon pull_far(const Hill48Constants& law, const Symmetric2& t, double strain, int steps) {
+Coupon pull_far(const LawConstants& law, const Symmetric2& t, double strain, int steps) {
   Coupon coupon{make_start(law), {}, 0};
   for (int i = 0; i < steps; ++i) pull(law, t, strain / steps, coupon);
   return coupon;
@@ -100,12 +104,12 @@ struct ClosedForm {
 
 TEST(Hill48, CouponsRecoverTheRValueAtEveryAngle) {
   const scene::J2Law law = make_deep_drawing_steel();
-  const Hill48Constants constants(law);
+  const LawConstants constants(law);
   const ClosedForm exact(*law.hill48);
   for (const double degrees : {0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0}) {
     const double angle = degrees * kDegree;
     const Coupon coupon = pull_far(constants, uniaxial(angle), 0.15, 30);
-    const Symmetric2 plastic = coupon.strain - compute_elastic_strain(constants.j2, coupon.point.stress);
+    const Symmetric2 plastic = coupon.strain - compute_elastic_strain(constants, coupon.point.stress);
     const double width = contract(uniaxial(angle + std::numbers::pi / 2), plastic);
     const double thickness = coupon.thickness + law.poisson / law.young * coupon.point.stress.trace();
     interply::test::expect_result({.row = "V9",
@@ -121,7 +125,7 @@ TEST(Hill48, CouponsRecoverTheRValueAtEveryAngle) {
 
 TEST(Hill48, YieldStressFollowsTheAngle) {
   const scene::J2Law law = make_deep_drawing_steel();
-  const Hill48Constants constants(law);
+  const LawConstants constants(law);
   const ClosedForm exact(*law.hill48);
   for (const double degrees : {0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0}) {
     const double angle = degrees * kDegree;
@@ -140,7 +144,7 @@ TEST(Hill48, YieldStressFollowsTheAngle) {
 
 TEST(Hill48, EquibiaxialTensionYieldsWhereTheClosedFormSays) {
   const scene::J2Law law = make_deep_drawing_steel();
-  const Hill48Constants constants(law);
+  const LawConstants constants(law);
   const Coupon coupon = pull_far(constants, {1, 1, 0}, 0.1, 20);
   const double rolling = compute_yield_stress(law.hardening, coupon.point.plastic_strain).stress;
   interply::test::expect_result({.row = "V9",
@@ -156,9 +160,9 @@ TEST(Hill48, EquibiaxialTensionYieldsWhereTheClosedFormSays) {
 
 TEST(Hill48, PlasticWorkIsThatOfTheRollingDirection) {
   const scene::J2Law law = make_deep_drawing_steel();
-  const Hill48Constants constants(law);
+  const LawConstants constants(law);
   const Coupon coupon = pull_far(constants, uniaxial(0), 0.1, 20);
-  const Symmetric2 plastic = coupon.strain - compute_elastic_strain(constants.j2, coupon.point.stress);
+  const Symmetric2 plastic = coupon.strain - compute_elastic_strain(constants, coupon.point.stress);
   EXPECT_NEAR(coupon.point.plastic_strain, plastic.m11, 1e-12);  // p is the plastic strain of a bar along it
   EXPECT_NEAR(coupon.point.stress.m11, compute_yield_stress(law.hardening, plastic.m11).stress, 1e-8);
 }
@@ -170,7 +174,7 @@ Symmetric2 make_random_increment(std::mt19937& random, double size) {
 
 TEST(Hill48, RandomPathsStayInsideTheYieldSurfaceAndDissipate) {
   for (const scene::J2Law& law : {make_deep_drawing_steel(), make_rolled(0.3, 2.5, 0.6), make_rolled(5, 0.2, 1)}) {
-    const Hill48Constants constants(law);
+    const LawConstants constants(law);
     J2Point point = make_start(constants);
     std::mt19937 random(3);
     for (int i = 0; i < 5000; ++i) {
@@ -181,7 +185,7 @@ TEST(Hill48, RandomPathsStayInsideTheYieldSurfaceAndDissipate) {
       const double yield = compute_yield_stress(law.hardening, point.plastic_strain).stress;
       ASSERT_LE(equivalent, yield * (1 + 1e-12));
       ASSERT_GE(point.plastic_strain, before.plastic_strain);
-      const Symmetric2 plastic = de - compute_elastic_strain(constants.j2, point.stress - before.stress);
+      const Symmetric2 plastic = de - compute_elastic_strain(constants, point.stress - before.stress);
       const double dp = point.plastic_strain - before.plastic_strain;
       ASSERT_NEAR(contract(point.stress, plastic), equivalent * dp, 1e-10);  // dissipation, MPa
     }
@@ -189,9 +193,7 @@ TEST(Hill48, RandomPathsStayInsideTheYieldSurfaceAndDissipate) {
 }
 
 TEST(Hill48, RatiosOfOneAreJ2) {
-  const scene::J2Law law = make_rolled(1, 1, 1);
-  const Hill48Constants hill(law);
-  const J2Constants j2(law);
+  const LawConstants hill(make_rolled(1, 1, 1)), j2(test::make_dc04());
   J2Point a = make_start(hill), b = a;
   std::mt19937 random(5);
   double thickness_a = 0, thickness_b = 0;
@@ -212,7 +214,7 @@ TEST(Hill48, RatiosOfOneAreJ2) {
 TEST(Hill48, LargeIncrementsFulfilFlowRuleElasticityAndYieldCondition) {
   for (const scene::J2Law& law : {make_deep_drawing_steel(), make_rolled(0.01, 100, 0.01), make_rolled(100, 0.01, 100),
                                   make_rolled(0.01, 0.01, 100), make_rolled(100, 100, 0.01)}) {
-    const Hill48Constants constants(law);
+    const LawConstants constants(law);
     const auto& c = constants.coefficients;
     for (const double size : {1e-3, 1e-2, 0.2, 2.0}) {
       for (const Symmetric2 direction : {Symmetric2{1, 0.2, 0.3}, {-0.5, 1, -0.2}, {1, 1, 0}, {0.1, -0.1, 1}}) {
@@ -223,7 +225,7 @@ TEST(Hill48, LargeIncrementsFulfilFlowRuleElasticityAndYieldCondition) {
         const double equivalent = compute_hill48(c, s), flow = point.plastic_strain / equivalent;
         const Symmetric2 plastic{flow * (s.m11 - c.h * s.m22), flow * (c.p * s.m22 - c.h * s.m11),
                                  flow * c.q * s.m12 / 2};
-        const Symmetric2 total = plastic + compute_elastic_strain(constants.j2, s);
+        const Symmetric2 total = plastic + compute_elastic_strain(constants, s);
         EXPECT_NEAR(total.m11, de.m11, 1e-11 * size);
         EXPECT_NEAR(total.m22, de.m22, 1e-11 * size);
         EXPECT_NEAR(total.m12, de.m12, 1e-11 * size);
@@ -238,29 +240,56 @@ TEST(Hill48, LargeIncrementsFulfilFlowRuleElasticityAndYieldCondition) {
   }
 }
 
-TEST(Hill48, StrainPathsConvergeAtFirstOrder) {
-  const Hill48Constants law(make_deep_drawing_steel());
+TEST(Hill48, StrainPathsConvergeToTheRateEquationsAtFirstOrder) {
+  const scene::J2Law steel = make_deep_drawing_steel();
+  const LawConstants law(steel);
+  const auto direction = [](double x) { return Symmetric2{std::cos(x), 0.2, std::sin(x)}; };
   const auto follow = [&](int steps) {  // a quarter turn from tension across to shear
     J2Point point = make_start(law);
-    for (int i = 0; i < steps; ++i) {
-      const double x = std::numbers::pi / 2 * (i + 0.5) / steps;
-      update_point(law, (0.1 / steps) * Symmetric2{std::cos(x), 0.2, std::sin(x)}, point);
-    }
-    return point.stress;
+    for (int i = 0; i < steps; ++i)
+      update_point(law, (0.1 / steps) * direction(std::numbers::pi / 2 * (i + 0.5) / steps), point);
+    return point;
   };
-  const Symmetric2 exact = 2 * follow(40960) - follow(20480);
+  constexpr int kRates = 400000;
+  const test::ReferenceLaw reference(steel);
+  test::ReferenceLaw::Point exact;
+  for (int i = 0; i < kRates; ++i) {
+    const Symmetric2 de = (0.1 / kRates) * direction(std::numbers::pi / 2 * (i + 0.5) / kRates);
+    reference.integrate_rates({de.m11, de.m22, 2 * de.m12}, 1, exact);
+  }
   const auto error = [&](int steps) {
-    const Symmetric2 d = follow(steps) - exact;
-    return std::sqrt(contract(d, d));
+    const Symmetric2 s = follow(steps).stress;
+    return (Eigen::Vector3d(s.m11, s.m22, s.m12) - exact.stress).norm();
   };
   const double order = interply::test::compute_order({1.0 / 160, 1.0 / 320}, {error(160), error(320)});
   EXPECT_NEAR(order, 1, 0.05);
+  EXPECT_NEAR(follow(10240).plastic_strain, exact.plastic_strain, 1e-4 * exact.plastic_strain);
+}
+
+/// Random increments from the edge of yield to very large, against a bisection of the discrete equations.
+TEST(Hill48, IncrementsAreThoseOfTheReferenceLaw) {
+  for (const scene::J2Law& rolled : {make_deep_drawing_steel(), make_rolled(0.3, 2.5, 0.6), make_rolled(5, 0.2, 1)}) {
+    const LawConstants law(rolled);
+    const test::ReferenceLaw reference(rolled);
+    J2Point point = make_start(law);
+    test::ReferenceLaw::Point exact;
+    std::mt19937 random(11);
+    for (int i = 0; i < 500; ++i) {
+      const Symmetric2 de = make_random_increment(random, i % 10 ? 2e-3 : 5e-2);
+      const double thickness = update_point(law, de, point);
+      ASSERT_NEAR(thickness, reference.advance({de.m11, de.m22, 2 * de.m12}, exact), 1e-13);
+      ASSERT_NEAR(point.stress.m11, exact.stress(0), 1e-9);
+      ASSERT_NEAR(point.stress.m22, exact.stress(1), 1e-9);
+      ASSERT_NEAR(point.stress.m12, exact.stress(2), 1e-9);
+      ASSERT_NEAR(point.plastic_strain, exact.plastic_strain, 1e-12 * (1 + exact.plastic_strain));
+    }
+  }
 }
 
 /// The layer turns with its orientation: the same strain path in the rolling frame of a point.
 TEST(Hill48, OrientationOfTheLayerIsTheRollingDirection) {
   const scene::J2Law law = make_deep_drawing_steel();
-  const Hill48Constants constants(law);
+  const LawConstants constants(law);
   const double angle = 30 * kDegree, c = std::cos(angle), s = std::sin(angle);
   const mechanics::TriangleMesh mesh = test::make_distorted_square(10, 2.5, 0.1);
   scene::Layer layer = test::make_sheet(law);
