@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -173,7 +174,8 @@ std::string describe(const scene::Law& law) {
     return std::string("woven ") + kVariants[static_cast<std::size_t>(woven->variant)];
   }
   if (const auto* j2 = std::get_if<scene::J2Law>(&law)) {
-    static constexpr const char* kCurves[] = {"swift", "voce", "hockett_sherby", "table"};
+    static constexpr std::array kCurves{"swift", "voce", "hockett_sherby", "table"};
+    static_assert(kCurves.size() == std::variant_size_v<scene::Hardening>);
     return std::string("j2 ") + (j2->hill48 ? "hill48 " : "") + kCurves[j2->hardening.index()];
   }
   return "vumat " + std::filesystem::path(std::get<scene::VumatLaw>(law).library.path).filename().string();
