@@ -125,6 +125,12 @@ struct Triangle {
     fibres = sides.inverse() * directions;
     area = sides.determinant() / 2;
   }
+  /// sum_k grad N_k (x) grad N_k in the fibre frame. [2 x 2] 1/mm2
+  Eigen::Matrix2d compute_gradient_products() const {
+    Eigen::Matrix<double, 2, 3> n;
+    n << -fibres.transpose().rowwise().sum(), fibres.transpose();
+    return n * n.transpose();
+  }
   /// (la, lb, gamma). @param x  columns: current corners, mm
   Eigen::Vector3cd compute_state(const Eigen::Matrix3cd& x) const {
     const Eigen::Vector3cd u = x.col(1) - x.col(0), v = x.col(2) - x.col(0);
