@@ -1,12 +1,12 @@
-/// Elements of a ply, compiled for each target of simd/target.hpp. The plain forms of the same formulas are in
-/// membrane.hpp, woven_law.hpp and mechanics/edge_shell.hpp.
+/// Elements of a ply, compiled for each target of simd/target.hpp: loops over the formulas of woven_law.hpp,
+/// membrane.hpp, stable_increment.hpp and mechanics/shell_kernels.hpp.
 #pragma once
 
 #include <cstddef>
 
 #include "mechanics/shell_rows.hpp"
 #include "simd/target.hpp"
-#include "solver_fabric/law_parameters.hpp"
+#include "solver_fabric/membrane_law.hpp"
 
 namespace interply::fabric {
 
@@ -26,20 +26,14 @@ struct BendingStiffness {
 
 struct FabricKernels {
   /// First pass: facets, and A t S_ab into the membrane rows. @param x  rows of the nodal positions
-  MembraneResult (*stretch_invariant)(const mechanics::ShellRows& shell, const double* const x[3],
-                                      const InvariantParameters& law, double thickness, std::ptrdiff_t begin,
-                                      std::ptrdiff_t end);
-  MembraneResult (*stretch_tables)(const mechanics::ShellRows& shell, const double* const x[3],
-                                   const TableParameters& law, double thickness, std::ptrdiff_t begin,
-                                   std::ptrdiff_t end);
+  MembraneResult (*stretch)(const mechanics::ShellRows& shell, const double* const x[3], const MembraneLaw& law,
+                            double thickness, std::ptrdiff_t begin, std::ptrdiff_t end);
   /// Second pass: moments m11 = D_a kappa11, m22 = D_b kappa22, m12 = twist 2 kappa12. Returns their energy, mJ.
   double (*bend)(const mechanics::ShellRows& shell, const double* phi, const BendingStiffness& stiffness,
                  std::ptrdiff_t begin, std::ptrdiff_t end);
-  /// Largest of the bounds (T1) of stable_increment.hpp, MPa/mm2. @param floor  MPa, of warp and weft
-  double (*bound_invariant)(const mechanics::ShellRows& shell, const double* const x[3], const InvariantParameters& law,
-                            const double (&floor)[2], std::ptrdiff_t begin, std::ptrdiff_t end);
-  double (*bound_tables)(const mechanics::ShellRows& shell, const double* const x[3], const TableParameters& law,
-                         const double (&floor)[2], std::ptrdiff_t begin, std::ptrdiff_t end);
+  /// Largest of the bounds (T1) of stable_increment.hpp, MPa/mm2.
+  double (*bound)(const mechanics::ShellRows& shell, const double* const x[3], const MembraneLaw& law,
+                  std::ptrdiff_t begin, std::ptrdiff_t end);
 };
 
 template <class Target>

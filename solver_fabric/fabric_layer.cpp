@@ -8,26 +8,18 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "solver_fabric/stable_increment.hpp"
-
 namespace interply::fabric {
+
+using mechanics::Vector3;
 
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// False also for NaN, whose comparisons all fail.
-bool is_usable(const FibreState& s, double area_ratio) {
-  return s.cos_gamma > kFoldedCosine && area_ratio > kFoldedAreaRatio;
+bool is_usable(const FabricPoint& p, double area_ratio) {
+  return p.cosine > kFoldedCosine && area_ratio > kFoldedAreaRatio;
 }
-
-/// Strain energy per reference volume (MPa) and stress of an element.
-struct Response {
-  double W = 0;
-  MembraneStress stress;
-};
-
-Response respond(const Potential& w, const FibreState& s) { return {w.W, compute_membrane_stress(w, s)}; }
 
 /// D over (k11, k22, 2 k12), N mm.
 Eigen::Matrix3d make_bending_stiffness(const scene::Layer& layer) {
@@ -62,7 +54,7 @@ void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& positio
   const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
   const auto stretch = [&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) -> Eigen::Index {
     MembraneResult& result = stretch_results_[static_cast<std::size_t>(block)];
-    if (!own_) result = stretch_woven(x, begin, end);
+    if (!own_) result = kernels_.stretch(shell_.rows(), x, *law_, thickness_, begin, end);
     return result.failed;
   };
   const double* const phi = shell_.edges().angle().data();
@@ -77,27 +69,20 @@ void FabricLayer::compute_internal_forces(const mechanics::NodalVectors& positio
   edge_energy_ += result.energy;
 }
 
-MembraneResult FabricLayer::stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const {
-  if (const auto* law = std::get_if<InvariantLaw>(&*law_))
-    return kernels_.stretch_invariant(shell_.rows(), x, law->parameters(), thickness_, begin, end);
-  return kernels_.stretch_tables(shell_.rows(), x, std::get<TableLaw>(*law_).parameters(), thickness_, begin, end);
-}
-
 void FabricLayer::stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now) {
   mechanics::ShellPasses& passes = shell_.passes();
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
     const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
     passes.store_facet(e, g);
-    if (!is_usable(fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio), g.area_ratio))
-      throw_divergence(e, x, now.time);
+    if (!is_usable(compute_deformation(g.f1, g.f2, g.area_ratio), g.area_ratio)) throw_divergence(e, x, now.time);
   }
   if (const Eigen::Index e = own_->advance(passes.f1, passes.f2, x, now); e >= 0) throw_divergence(e, x, now.time);
   own_energy_ = 0;
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
     if (!std::isfinite(own_->energy(e))) throw_divergence(e, x, now.time);
     const double volume = shell_.geometry().area(e) * thickness_;
-    const MembraneStress S = own_->stress(e);
-    passes.membrane.col(e) << volume * S.S11, volume * S.S22, volume * S.S12;
+    const Vector3 S = own_->stress(e);
+    passes.membrane.col(e) << volume * S(0), volume * S(1), volume * S(2);
     own_energy_ += volume * own_->energy(e);
   }
 }
@@ -106,21 +91,21 @@ void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors
   Vector3 centre = Vector3::Zero();
   for (int k = 0; k < 3; ++k) centre += mechanics::at(x, shell_.geometry().nodes(k, e)) / 3;
   const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
-  const FibreState s = fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
+  const FabricPoint p = compute_deformation(g.f1, g.f2, g.area_ratio);
   std::string quantity, cure;
-  if (is_usable(s, g.area_ratio) && own_) {
+  if (is_usable(p, g.area_ratio) && own_) {
     quantity = own_->describe_response(e);
     cure = "check law.vumat.parameters of this ply, or lower time.safety";
-  } else if (is_usable(s, g.area_ratio)) {
+  } else if (is_usable(p, g.area_ratio)) {
     quantity = fmt::format("the strain energy is {} MPa at the fibre stretches {:.4g} and {:.4g}",
-                           compute_potential(s).W, s.la, s.lb);
+                           evaluate_element(x, e).W, p.la, p.lb);
     cure = "lower the biaxial coupling c or set a strain_cap for this ply's law";
-  } else if (!std::isfinite(g.area_ratio) || !std::isfinite(s.cos_gamma)) {
+  } else if (!std::isfinite(g.area_ratio) || !std::isfinite(p.cosine)) {
     quantity = fmt::format("the area ratio is {}", g.area_ratio);
     cure = "lower time.safety, or check this ply's density, law and mesh";
-  } else if (!(s.cos_gamma > kFoldedCosine)) {
+  } else if (!(p.cosine > kFoldedCosine)) {
     quantity = fmt::format("the shear angle is {:.4g} deg, past the 85 deg at which an element counts as folded",
-                           s.gamma * kDegrees);
+                           p.gamma * kDegrees);
     cure = "refine the mesh, stiffen the shear law (s) or shorten the stroke";
   } else {
     quantity = fmt::format("the area ratio is {:.4g}, not above the {} at which an element counts as folded",
@@ -132,28 +117,24 @@ void FabricLayer::throw_divergence(Eigen::Index e, const mechanics::NodalVectors
                   centre.x(), centre.y(), centre.z(), time, quantity, cure));
 }
 
-FibreState FabricLayer::compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const {
+FabricPoint FabricLayer::evaluate_element(const mechanics::NodalVectors& x, Eigen::Index e) const {
   const mechanics::SurfaceGradient g = mechanics::compute_surface_gradient(shell_.geometry(), x, e);
-  return fabric::compute_fibre_state(g.f1, g.f2, g.area_ratio);
-}
-
-Potential FabricLayer::compute_potential(const FibreState& s) const {
-  return std::visit([&](const auto& law) { return law.evaluate(s.la, s.lb, s.gamma); }, *law_);
+  if (!own_) return evaluate_point(*law_, g.f1, g.f2, g.area_ratio);
+  FabricPoint p = compute_deformation(g.f1, g.f2, g.area_ratio);
+  const Vector3 S = own_->stress(e);
+  p.W = own_->energy(e);
+  p.S11 = S(0);
+  p.S22 = S(1);
+  p.S12 = S(2);
+  return p;
 }
 
 double FabricLayer::compute_stable_increment(const mechanics::NodalVectors& position) {
   if (own_) return 2 / std::sqrt(3 / density_ * own_->compute_eigenvalue_bound() + bending_frequency2_);
-  const scene::Pair stiffness = std::visit([](const auto& law) { return law.stiffness_floor(); }, *law_);
-  const double floor[2] = {stiffness.warp, stiffness.weft};
   const double* const x[3] = {&position(0, 0), &position(1, 0), &position(2, 0)};
   std::vector<double> largest(shell_.n_blocks());
   shell_.for_each_block([&](Eigen::Index block, Eigen::Index begin, Eigen::Index end) {
-    if (const auto* law = std::get_if<InvariantLaw>(&*law_))
-      largest[static_cast<std::size_t>(block)] =
-          kernels_.bound_invariant(shell_.rows(), x, law->parameters(), floor, begin, end);
-    else
-      largest[static_cast<std::size_t>(block)] =
-          kernels_.bound_tables(shell_.rows(), x, std::get<TableLaw>(*law_).parameters(), floor, begin, end);
+    largest[static_cast<std::size_t>(block)] = kernels_.bound(shell_.rows(), x, *law_, begin, end);
   });
   const double membrane = 3 / density_ * *std::max_element(largest.begin(), largest.end());  // (T1)
   return 2 / std::sqrt(membrane + bending_frequency2_);
@@ -177,32 +158,25 @@ std::vector<observe::Field> FabricLayer::compute_fields(const mechanics::NodalVe
   add("S22", "MPa", "second Piola-Kirchhoff stress, weft");
   add("S12", "MPa", "second Piola-Kirchhoff stress, shear");
   add("energy_density", "MPa", "membrane strain energy per reference volume");
+  if (!own_) {
+    add("beyond_cap", "-", "1 where a transverse strain is beyond strain_cap, else 0");
+    add("smallest_hessian_eigenvalue", "MPa",
+        "of the strain energy in (la, lb, gamma); negative: the law is not convex");
+  }
   for (std::size_t i = 0; i < n; ++i) {
-    const auto e = static_cast<Eigen::Index>(i);
-    const FibreState state = compute_fibre_state(position, e);
-    const Response w = own_ ? Response{own_->energy(e), own_->stress(e)} : respond(compute_potential(state), state);
-    fields[Shear].values[i] = state.gamma;
-    fields[Warp].values[i] = state.la;
-    fields[Weft].values[i] = state.lb;
-    fields[S11].values[i] = w.stress.S11;
-    fields[S22].values[i] = w.stress.S22;
-    fields[S12].values[i] = w.stress.S12;
-    fields[Energy].values[i] = w.W;
+    const FabricPoint p = evaluate_element(position, static_cast<Eigen::Index>(i));
+    fields[Shear].values[i] = p.gamma;
+    fields[Warp].values[i] = p.la;
+    fields[Weft].values[i] = p.lb;
+    fields[S11].values[i] = p.S11;
+    fields[S22].values[i] = p.S22;
+    fields[S12].values[i] = p.S12;
+    fields[Energy].values[i] = p.W;
+    if (own_) continue;
+    fields[BeyondCap].values[i] = is_beyond_cap(*law_, p.la, p.lb) ? 1 : 0;
+    fields[Eigenvalue].values[i] = p.smallest_eigenvalue;
   }
-  if (own_) {
-    own_->add_fields(fields);
-    add_fibre_directions(position, fields);
-    return fields;
-  }
-  add("beyond_cap", "-", "1 where a transverse strain is beyond strain_cap, else 0");
-  add("smallest_hessian_eigenvalue", "MPa", "of the strain energy in (la, lb, gamma); negative: the law is not convex");
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto e = static_cast<Eigen::Index>(i);
-    const FibreState s = compute_fibre_state(position, e);
-    fields[BeyondCap].values[i] =
-        std::visit([&](const auto& law) { return law.is_beyond_cap(s.la, s.lb) ? 1.0 : 0.0; }, *law_);
-    fields[Eigenvalue].values[i] = compute_smallest_eigenvalue(compute_potential(s));
-  }
+  if (own_) own_->add_fields(fields);
   add_fibre_directions(position, fields);
   return fields;
 }
@@ -236,11 +210,11 @@ std::vector<solve::TrustLimit> FabricLayer::trust_limits() const {
 Eigen::ArrayXXd FabricLayer::compute_trust_quantities(const mechanics::NodalVectors& position) const {
   Eigen::ArrayXXd quantities(own_ ? 3 : 4, shell_.n_elements());
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
-    const FibreState s = compute_fibre_state(position, e);
-    quantities(0, e) = 100 * (std::max(s.la, s.lb) - 1);
-    quantities(1, e) = 100 * (1 - std::min(s.la, s.lb));
-    quantities(2, e) = std::abs(s.gamma) * kDegrees;
-    if (!own_) quantities(3, e) = -compute_smallest_eigenvalue(compute_potential(s));
+    const FabricPoint p = evaluate_element(position, e);
+    quantities(0, e) = 100 * (std::max(p.la, p.lb) - 1);
+    quantities(1, e) = 100 * (1 - std::min(p.la, p.lb));
+    quantities(2, e) = std::abs(p.gamma) * kDegrees;
+    if (!own_) quantities(3, e) = -p.smallest_eigenvalue;
   }
   return quantities;
 }
@@ -248,13 +222,13 @@ Eigen::ArrayXXd FabricLayer::compute_trust_quantities(const mechanics::NodalVect
 std::vector<exchange::SummaryItem> FabricLayer::summarise(const mechanics::NodalVectors& position) const {
   double shear = 0, longest = 0, shortest = std::numeric_limits<double>::infinity(), beyond_cap = 0, indefinite = 0;
   for (Eigen::Index e = 0; e < shell_.n_elements(); ++e) {
-    const FibreState s = compute_fibre_state(position, e);
-    shear = std::max(shear, std::abs(s.gamma));
-    longest = std::max({longest, s.la, s.lb});
-    shortest = std::min({shortest, s.la, s.lb});
+    const FabricPoint p = evaluate_element(position, e);
+    shear = std::max(shear, std::abs(p.gamma));
+    longest = std::max({longest, p.la, p.lb});
+    shortest = std::min({shortest, p.la, p.lb});
     if (own_) continue;
-    beyond_cap += std::visit([&](const auto& law) { return law.is_beyond_cap(s.la, s.lb); }, *law_);
-    indefinite += compute_smallest_eigenvalue(compute_potential(s)) < 0;
+    beyond_cap += is_beyond_cap(*law_, p.la, p.lb);
+    indefinite += p.smallest_eigenvalue < 0;
   }
   std::vector<exchange::SummaryItem> items{{"shear angle up to", "deg", shear * kDegrees},
                                            {"fibre strain up to", "%", 100 * (longest - 1)},

@@ -9,7 +9,8 @@
 #include "solve/layer_mechanics.hpp"
 #include "solve/shell.hpp"
 #include "solver_fabric/fabric_kernels.hpp"
-#include "solver_fabric/membrane.hpp"
+#include "solver_fabric/material_point.hpp"
+#include "solver_fabric/membrane_law.hpp"
 #include "solver_fabric/vumat_membrane.hpp"
 
 namespace interply::fabric {
@@ -38,12 +39,10 @@ class FabricLayer final : public solve::LayerMechanics {
  private:
   /// First pass of the user's own law, which wants the whole layer from one thread.
   void stretch_own_law(const mechanics::NodalVectors& x, const solve::Instant& now);
-  /// First pass of the woven laws. @param x  rows of the nodal positions
-  MembraneResult stretch_woven(const double* const x[3], Eigen::Index begin, Eigen::Index end) const;
   [[noreturn]] void throw_divergence(Eigen::Index e, const mechanics::NodalVectors& x, double time) const;
-  FibreState compute_fibre_state(const mechanics::NodalVectors& x, Eigen::Index e) const;
+  /// Deformation and response of an element; `smallest_eigenvalue` is of the woven laws alone.
+  FabricPoint evaluate_element(const mechanics::NodalVectors& x, Eigen::Index e) const;
   void add_fibre_directions(const mechanics::NodalVectors& x, std::vector<observe::Field>& fields) const;
-  Potential compute_potential(const FibreState& s) const;
 
   // constant
   std::string name_;

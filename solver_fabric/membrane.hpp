@@ -1,60 +1,53 @@
-/// Constant-strain membrane triangle in the fibre frame: F -> fibre stretches and shear -> stress -> nodal forces.
+/// Deformation of the fibres and stress of the constant-strain membrane triangle in the fibre frame, over `Real` as in
+/// woven_law.hpp. The forces S gives are those of mechanics/edge_shell.hpp,
+///   f_i = A t [ (S11 f_a + S12 f_b) dN_i/da + (S12 f_a + S22 f_b) dN_i/db ].
 #pragma once
 
-#include <cmath>
-
-#include "mechanics/edge_shell.hpp"
+#include "mechanics/shell_kernels.hpp"
 #include "solver_fabric/woven_law.hpp"
 
 namespace interply::fabric {
-
-using mechanics::Vector3;
+namespace {
 
 /// What the laws need of a deformation gradient with the columns f_a = F a0, f_b = F b0.
+template <class Real>
 struct FibreState {
-  double I4 = 1, I8 = 1;  ///< squared stretches, -
-  double la = 1, lb = 1;  ///< stretches, -
-  double gamma = 0;       ///< shear angle, positive where the fibres close in on each other, rad
-  double cos_gamma = 1;
-  double sin_gamma = 0;
+  Real la, lb;                              ///< stretches, -
+  Real inverse_a, inverse_b, inverse_area;  ///< 1/la, 1/lb, 1/J
+  Real product;                             ///< f_a . f_b = la lb sin gamma
+  Real gamma;                               ///< shear angle, positive where the fibres close in on each other, rad
+  Real cosine;                              ///< of gamma
 };
 
-/// gamma from its sine f_a.f_b/(la lb) and its cosine J/(la lb): exact at zero, odd, and accurate up to folding, where
-/// asin of the sine alone is not.
-/// @param area_ratio  J = |f_a x f_b|
-inline FibreState compute_fibre_state(const Vector3& f_a, const Vector3& f_b, double area_ratio) {
-  FibreState s;
-  s.I4 = f_a.squaredNorm();
-  s.I8 = f_b.squaredNorm();
-  s.la = std::sqrt(s.I4);
-  s.lb = std::sqrt(s.I8);
-  const double dot = f_a.dot(f_b), scale = 1 / (s.la * s.lb);
-  s.gamma = std::atan2(dot, area_ratio);
-  s.sin_gamma = dot * scale;
-  s.cos_gamma = area_ratio * scale;
+/// gamma from its tangent f_a.f_b/J: exact at zero, odd, and accurate up to folding, where asin of the sine is not.
+/// @param f  f_a, f_b and J = |f_a x f_b|; its normal is not used. @pre J > 0
+template <class Real>
+FibreState<Real> compute_fibre_state(const mechanics::Facet<Real>& f) {
+  FibreState<Real> s;
+  s.la = sqrt(dot(f.f1, f.f1));
+  s.lb = sqrt(dot(f.f2, f.f2));
+  s.product = dot(f.f1, f.f2);
+  s.inverse_a = Real(1.0) / s.la;
+  s.inverse_b = Real(1.0) / s.lb;
+  s.inverse_area = Real(1.0) / f.area_ratio;
+  s.gamma = simd::atan(s.product * s.inverse_area);
+  s.cosine = f.area_ratio * s.inverse_a * s.inverse_b;
   return s;
 }
 
 /// Second Piola-Kirchhoff stress in the fibre frame, MPa.
+template <class Real>
 struct MembraneStress {
-  double S11 = 0, S22 = 0, S12 = 0;
+  Real S11, S22, S12;
 };
 
-/// solver_fabric/THEORY.md: S11 = 2 W4, S22 = 2 W8, S12 = Wab. @pre |gamma| < 90 deg, stretches > 0
-inline MembraneStress compute_membrane_stress(const Potential& w, const FibreState& s) {
-  const double tau_tan = w.tau * s.sin_gamma / s.cos_gamma;
-  return {w.W_a / s.la - tau_tan / s.I4, w.W_b / s.lb - tau_tan / s.I8, w.tau / (s.cos_gamma * s.la * s.lb)};
+/// solver_fabric/THEORY.md: S11 = 2 W4 = W_a/la - tau tan(gamma)/I4, S22 = 2 W8 alike, S12 = Wab = tau/(cos(gamma) la
+/// lb), where cos(gamma) = J/(la lb). @pre |gamma| < 90 deg, stretches > 0
+template <class Real>
+MembraneStress<Real> compute_membrane_stress(const Potential<Real>& w, const FibreState<Real>& s) {
+  const Real S12 = w.tau * s.inverse_area, turned = S12 * s.product;
+  return {(w.W_a - turned * s.inverse_a) * s.inverse_a, (w.W_b - turned * s.inverse_b) * s.inverse_b, S12};
 }
 
-/// Internal forces of the three corners, N:
-///   f_i = A t [ (S11 f_a + S12 f_b) dN_i/da + (S12 f_a + S22 f_b) dN_i/db ]
-/// @param area_thickness  reference area x reference thickness, mm3
-inline void compute_membrane_forces(const mechanics::ShellGeometry& shell, Eigen::Index e,
-                                    const mechanics::SurfaceGradient& g, const MembraneStress& s, double area_thickness,
-                                    Vector3 force[3]) {
-  const Vector3 along_a = area_thickness * (s.S11 * g.f1 + s.S12 * g.f2);
-  const Vector3 along_b = area_thickness * (s.S12 * g.f1 + s.S22 * g.f2);
-  for (int k = 0; k < 3; ++k) force[k] = shell.gradient(2 * k, e) * along_a + shell.gradient(2 * k + 1, e) * along_b;
-}
-
+}  // namespace
 }  // namespace interply::fabric

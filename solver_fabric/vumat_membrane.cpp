@@ -2,15 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "solver_fabric/stable_increment.hpp"
-
 namespace interply::fabric {
 
 using mechanics::Matrix2;
+
+namespace {
+
+/// sum_k grad N_k (x) grad N_k of element `e`, 1/mm2.
+Matrix2 compute_gradient_products(const mechanics::ShellGeometry& shell, Eigen::Index e) {
+  Matrix2 g = Matrix2::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const mechanics::Vector2 n(shell.gradient(2 * k, e), shell.gradient(2 * k + 1, e));
+    g += n * n.transpose();
+  }
+  return g;
+}
+
+/// Of a matrix with real eigenvalues.
+double compute_largest_eigenvalue(const Matrix2& m) {
+  const double half = m.trace() / 2;
+  return half + std::sqrt(std::max(0.0, half * half - m.determinant()));
+}
+
+}  // namespace
 
 VumatMembrane::VumatMembrane(const scene::Layer& layer, const mechanics::ShellGeometry& shell,
                              const mechanics::NodalVectors& reference)
@@ -44,7 +65,7 @@ Eigen::Index VumatMembrane::advance(const mechanics::NodalVectors& f1, const mec
     auto* increments = &increments_[static_cast<std::size_t>(first)];
     for (int i = 0; i < n; ++i) {
       const Eigen::Index e = first + i;
-      const Vector3 a = mechanics::at(f1, e), b = mechanics::at(f2, e);
+      const mechanics::Vector3 a = mechanics::at(f1, e), b = mechanics::at(f2, e);
       Matrix2 metric;
       metric << a.dot(a), a.dot(b), a.dot(b), b.dot(b);
       Matrix2& old = old_stretch[static_cast<std::size_t>(i)];
@@ -69,9 +90,9 @@ void VumatMembrane::update_stress(Eigen::Index e, const Matrix2& old_stretch) {
   const auto [sigma, thickness] = points_.response(e);
   const Matrix2 s = u.determinant() * thickness * (inverse * sigma * inverse);
   const Matrix2 de = (u * u - old_stretch * old_stretch) / 2;
-  const MembraneStress old = stress(e);
+  const mechanics::Vector3 old = stress(e);
   stress_.col(e) << s(0, 0), s(1, 1), s(0, 1);
-  energy_(e) += ((old.S11 + s(0, 0)) * de(0, 0) + (old.S22 + s(1, 1)) * de(1, 1)) / 2 + (old.S12 + s(0, 1)) * de(0, 1);
+  energy_(e) += ((old(0) + s(0, 0)) * de(0, 0) + (old(1) + s(1, 1)) * de(1, 1)) / 2 + (old(2) + s(0, 1)) * de(0, 1);
 }
 
 double VumatMembrane::compute_eigenvalue_bound() {

@@ -6,7 +6,6 @@
 
 #include "mechanics/edge_shell.hpp"
 #include "solve/vumat.hpp"
-#include "solver_fabric/membrane.hpp"
 
 namespace interply::fabric {
 
@@ -27,8 +26,8 @@ class VumatMembrane {
   Eigen::Index advance(const mechanics::NodalVectors& f1, const mechanics::NodalVectors& f2,
                        const mechanics::NodalVectors& position, const solve::Instant& now);
 
-  /// S = J F33 U^-1 sigma U^-1, per reference thickness.
-  MembraneStress stress(Eigen::Index e) const { return {stress_(0, e), stress_(1, e), stress_(2, e)}; }
+  /// S = J F33 U^-1 sigma U^-1, per reference thickness: (S11, S22, S12), MPa.
+  mechanics::Vector3 stress(Eigen::Index e) const { return stress_.col(e); }
   /// Stress work per reference volume, sum of 1/2 (S_old + S_new) : dE, MPa.
   double energy(Eigen::Index e) const { return energy_(e); }
   /// Current / reference thickness at the nodes, mean of their elements.

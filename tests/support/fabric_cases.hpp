@@ -12,7 +12,6 @@
 
 #include "mechanics/mesh.hpp"
 #include "scene/scene.hpp"
-#include "solver_fabric/woven_law.hpp"
 
 namespace interply::fabric_cases {
 

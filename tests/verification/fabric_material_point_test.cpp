@@ -5,6 +5,7 @@
 #include "solver_fabric/material_point.hpp"
 #include "support/fabric_cases.hpp"
 #include "support/results.hpp"
+#include "support/woven_paper.hpp"
 
 namespace interply {
 namespace {
@@ -185,44 +186,30 @@ TEST(WovenMaterialPoint, StiffSetGivesTheNumbersOfMechanicsV1) {
   }
 }
 
-/// Eq. (1)-(11) case by case, as printed (with exp for "exp exp" and |I10|), in the invariants.
-double write_out_the_paper(const scene::WovenLaw& law, double I4, double I8, double I10) {
-  const double ea = std::sqrt(I4) - 1, eb = std::sqrt(I8) - 1, g = std::abs(I10);
-  const auto capped_exp = [](double c, double e, double cap) {
-    return e <= cap ? std::exp(c * e) : std::exp(c * cap) * (1 + c * (e - cap));
-  };
-  const bool shear = is_normal_shear(law.variant), biaxial = is_biaxial(law.variant);
-  const double xa = capped_exp(law.c.warp, eb, law.strain_cap.warp),
-               xb = capped_exp(law.c.weft, ea, law.strain_cap.weft);
-  const double WTa = energy(law.a.warp, law.b.warp, ea) * (biaxial ? xa + law.p_min.warp * (1 - xa) : 1);
-  const double WTb = energy(law.a.weft, law.b.weft, eb) * (biaxial ? xb + law.p_min.weft * (1 - xb) : 1);
-  const double WCa = law.d.warp * ea * ea, WCb = law.d.weft * eb * eb;
-  const double WS = law.s[0] * g * g / 2 + law.s[1] * g * g * g / 3 + law.s[2] * g * g * g * g / 4;
-  const double WSTa = shear ? g * g * g / 3 * law.s_T.warp * std::pow(I4 - 1, 2) : 0;
-  const double WSTb = shear ? g * g * g / 3 * law.s_T.weft * std::pow(I8 - 1, 2) : 0;
-  const double ka = shear ? std::exp(law.s_C.warp * std::pow(I4 - 1, 3)) : 1;
-  const double kb = shear ? std::exp(law.s_C.weft * std::pow(I8 - 1, 3)) : 1;
-  if (I4 > 1 && I8 > 1) return WTa + WTb + WS + WSTa + WSTb;
-  if (I4 > 1) return WTa + WCb + (WS + WSTa) * kb;
-  if (I8 > 1) return WCa + WTb + (WS + WSTb) * ka;
-  return WCa + WCb + WS * ka * kb;
-}
-
-TEST(WovenMaterialPoint, EnergyIsThePapersInAllFourBranches) {
+TEST(WovenMaterialPoint, EnergyAndStressAreThePapersInAllFourBranches) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> strain(-0.1, 0.1), angle(-80 * kDegree, 80 * kDegree);
   for (const auto variant : kVariants) {
-    if (variant == scene::Variant::Fabric) continue;
-    for (const auto& law : all_sets(variant))
+    for (auto law : all_sets(variant)) {
+      if (variant == scene::Variant::Fabric)
+        law.tables = {.warp = {{-0.2, -30}, {0, 0}, {0.03, 8}, {0.06, 40}},
+                      .weft = {{-0.2, -20}, {-0.01, -2}, {0.02, 4}, {0.05, 30}},
+                      .shear = {{0, 0}, {0.4, 0.03}, {0.9, 0.2}, {1.2, 1}}};
       for (int i = 0; i < 400; ++i) {
         const double la = 1 + strain(random), lb = 1 + strain(random), gamma = angle(random);
         mechanics::Matrix2 F;
         F << la, lb * std::sin(gamma), 0, lb * std::cos(gamma);
         const FabricPoint p = fabric::follow_path(law, {F}).front();
-        const double W = write_out_the_paper(law, la * la, lb * lb, gamma);
+        const double W = woven_paper::compute_energy<double>(law, la * la, lb * lb, gamma);
+        const Eigen::Matrix2d S = woven_paper::compute_stress(law, F.transpose() * F);
+        const double tolerance = 1e-11 * (1 + S.cwiseAbs().maxCoeff());
         EXPECT_NEAR(p.W, W, 1e-12 * (1 + W)) << name_of(variant);
+        EXPECT_NEAR(p.S11, S(0, 0), tolerance) << name_of(variant);
+        EXPECT_NEAR(p.S22, S(1, 1), tolerance) << name_of(variant);
+        EXPECT_NEAR(p.S12, S(0, 1), tolerance) << name_of(variant);
         EXPECT_NEAR(p.gamma, gamma, 1e-14);
       }
+    }
   }
 }
 
