@@ -152,8 +152,10 @@ Limit find_limit(int n_layers, double damping) {
   // what the coordinator would take at safety 1
   coordinator::Stack stack(scene);
   stack.begin_step();
-  for (int i = 0; i < n_layers; ++i)
-    stack.accept(i, {.vote = 1, .position = solve::make_layer_mesh(scene, i).reference}, 0);
+  for (int i = 0; i < n_layers; ++i) {
+    stack.take_motion(i, solve::make_layer_mesh(scene, i).reference, {}, 1);
+    stack.compute_contact_of(i, 0);
+  }
   const double voted = stack.collect_votes().stack;
   EXPECT_LE(voted, exact) << "the bound in use is no bound";
   limit.safety = exact / voted;
