@@ -53,9 +53,12 @@ Clearance find_clearance(const PlacedTool& one, double z_one, const PlacedTool& 
     if (!sampled.surface) return;
     const auto distance = [&](const Vector3& x) { return tool.shape->evaluate(x - Vector3(0, 0, z_tool)).value; };
     const auto may_be_nearer = [&](const Vector3& x, double reach) { return distance(x) - reach < least.value; };
-    sample(*sampled.surface, z_sampled, may_be_nearer, [&](const Vector3& x) {
+    const auto consider = [&](const Vector3& x) {
       if (const double d = distance(x); d < least.value) least = {d, x};
-    });
+    };
+    const auto& vertices = sampled.surface->vertices;  // first: few of the triangles between them can be nearer
+    for (Eigen::Index i = 0; i < vertices.cols(); ++i) consider(at(vertices, i) + Vector3(0, 0, z_sampled));
+    sample(*sampled.surface, z_sampled, may_be_nearer, consider);
   };
   measure(one, z_one, other, z_other);
   measure(other, z_other, one, z_one);

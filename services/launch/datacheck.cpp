@@ -268,17 +268,16 @@ void add_cost(const scene::Scene& scene, const Measured& measured, double more, 
   if (const auto free = find_free_memory()) {
     set(cost.mutable_free_memory(), *free / (1 << 20), "MiB");
     if (memory > *free)
-      check.add_warnings(fmt::format("memory: the run needs about {:.0f} MiB and {:.0f} MiB are free",
-                                     memory / (1 << 20), *free / (1 << 20)));
+      check.add_warnings(fmt::format("memory: the run needs about {:.1f} GiB and {:.1f} GiB are free",
+                                     memory / (1 << 30), *free / (1 << 30)));
   }
   if (const auto free = record::find_free_space(std::filesystem::path("runs") / scene.name)) {
     set(cost.mutable_free_disk(), static_cast<double>(*free) / (1 << 20), "MiB");
     if (record > static_cast<double>(*free))
       check.add_warnings(
-          fmt::format("record.frames: the record takes about {:.0f} MiB and {:.0f} MiB are free in runs/{}: keep fewer "
-                      "frames or give "
-                      "`interply run` another --out",
-                      record / (1 << 20), static_cast<double>(*free) / (1 << 20), scene.name));
+          fmt::format("record.frames: the record takes about {:.1f} GiB and {:.1f} GiB are free in runs/{}: keep fewer "
+                      "frames or give `interply run` another --out",
+                      record / (1 << 30), static_cast<double>(*free) / (1 << 30), scene.name));
   }
 }
 

@@ -208,8 +208,9 @@ void Federation::reap_ended() {
 
 void Federation::handle_end(Supervised& ended) {
   const Child& child = *ended.child;
-  const bool refused_to_start = is_coordinator(ended) && !bound_ && !child.was_killed();  // its own words suffice
-  if (!ended.told_to_end && !is_orderly(child) && !refused_to_start) report_lost(child);
+  // the coordinator's own words suffice
+  const bool has_said_why = is_coordinator(ended) && !child.was_killed() && (!bound_ || !reason_.empty());
+  if (!ended.told_to_end && !is_orderly(child) && !has_said_why) report_lost(child);
   if (is_coordinator(ended)) {
     handle_coordinator_end(child);
   } else if (!ended.told_to_end && child.exit_code() != kDone && suspect_ == nullptr) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -12,6 +14,18 @@
 #include "process/words.hpp"
 
 namespace interply::process {
+
+/// For options that hold a time: a finite number of seconds above 0.
+inline CLI::Validator positive_seconds() {
+  const auto check = [](const std::string& text) -> std::string {
+    double seconds = 0;
+    const char* end = text.data() + text.size();
+    const auto [last, error] = std::from_chars(text.data(), end, seconds);
+    const bool is_number = error == std::errc{} && last == end;
+    return is_number && seconds > 0 && std::isfinite(seconds) ? "" : text + " is not in (0, inf) s";
+  };
+  return CLI::Validator(check, "SECONDS");
+}
 
 /// Reads the arguments. @return the exit code if the program has no more to do: 0 after help or version, 2 after one
 /// sentence about what is wrong

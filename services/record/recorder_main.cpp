@@ -141,9 +141,9 @@ int main(int argc, char** argv) {
   app.add_option("--out", out, "folder of the record")->required();
   app.add_flag("--overwrite", overwrite, "replace an existing record");
   app.add_flag("--folder-taken", folder_is_taken, "whoever started this process has the folder for it");
-  app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
+  app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(process::positive_seconds());
   app.add_option("--silence", silence, "seconds without a sign of life of the coordinator after which to leave")
-      ->check(CLI::PositiveNumber)
+      ->check(process::positive_seconds())
       ->capture_default_str();
   if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
 

@@ -95,10 +95,10 @@ int solver_main(int argc, char** argv, scene::Kind kind, LayerFactory make_layer
   app.add_option("--layer", layer, "name of the layer in the scene")->required();
   app.add_option("--scene", scene_file,
                  "scene file that must equal the coordinator's (default: take the coordinator's)");
-  app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(CLI::PositiveNumber);
+  app.add_option("--deadline", deadline, "seconds to wait for the coordinator at start-up")->check(process::positive_seconds());
   app.add_option("--silence", silence,
                  "over TCP: seconds without a sign of life of the coordinator after which to leave")
-      ->check(CLI::PositiveNumber)
+      ->check(process::positive_seconds())
       ->capture_default_str();
   if (const auto ended = process::read_arguments(app, exchange::kVersion, argc, argv)) return *ended;
   ::umask(0077);

@@ -122,6 +122,9 @@ TEST(Programs, WrongOptionsAreOneSentenceAndExitCodeTwo) {
                                 {"--connect", "shm://x", "--layer", "a", "--silence", "1e" + std::string(5000, '9')});
   EXPECT_EQ(code, 2);
   EXPECT_LT(said.size(), 400u);
+  for (const std::string never : {"-1", "0", "inf", "soon"})
+    EXPECT_EQ(run("interply-recorder", {"--connect", "shm://x", "--out", "a", "--deadline", never}),
+              std::pair(2, "interply-recorder: --deadline: " + never + " is not in (0, inf) s (see --help)\n"));
 }
 
 TEST(Programs, ASocketThatIsNotThereIsSaidAtOnce) {

@@ -180,6 +180,7 @@ TEST_F(FederationOfScripts, WhatEndedTheRunIsSaidOnce) {
                                   {shell("ply_1", "sleep 0.3; exit 4")});
     EXPECT_EQ(result.exit_code, code);
     EXPECT_EQ(count(result.message, "it was so"), 1) << result.message;
+    EXPECT_EQ(count(result.message, "\n"), 0) << "no log is quoted: " << result.message;
     EXPECT_EQ(count(shown_, "it was so"), 0) << shown_;
     EXPECT_THAT(read(folder_ / "coordinator.log"), HasSubstr("\nreason it was so\n"));
   }
