@@ -13,6 +13,7 @@
 #include "coordinator/coordinator.hpp"
 #include "coordinator/quantity.hpp"
 #include "coordinator/verdict.hpp"
+#include "solve/session.hpp"
 
 namespace interply::coordinator {
 
@@ -141,7 +142,7 @@ summary::Summary summarise(const scene::Scene& scene, const Forming& forming, co
   for (std::size_t i = 0; i < finals.size(); ++i) {
     summary::Layer& layer = *s.add_layers();
     layer.set_name(scene.layers[i].name);
-    layer.set_kind(scene.layers[i].kind() == scene::Kind::Fabric ? "fabric" : "metal");
+    layer.set_kind(solve::to_word(scene.layers[i].kind()));
     for (const exchange::SummaryItem& item : finals[i].summary) {
       summary::Item& entry = *layer.add_items();
       entry.set_name(item.name);

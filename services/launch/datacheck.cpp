@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -22,7 +21,9 @@
 #include "launch/record_size.hpp"
 #include "launch/run.hpp"
 #include "record/disk.hpp"
+#include "scene/convert.hpp"
 #include "scene/read_scene.hpp"
+#include "solve/session.hpp"
 
 namespace interply::launch {
 namespace {
@@ -168,17 +169,13 @@ std::optional<double> find_free_memory() {
   return std::nullopt;
 }
 
-std::string describe(const scene::Law& law) {
-  if (const auto* woven = std::get_if<scene::WovenLaw>(&law)) {
-    static constexpr const char* kVariants[] = {"fabric", "uncoupled", "full", "biaxial", "normal_shear"};
-    return std::string("woven ") + kVariants[static_cast<std::size_t>(woven->variant)];
-  }
-  if (const auto* j2 = std::get_if<scene::J2Law>(&law)) {
-    static constexpr std::array kCurves{"swift", "voce", "hockett_sherby", "table"};
-    static_assert(kCurves.size() == std::variant_size_v<scene::Hardening>);
-    return std::string("j2 ") + (j2->hill48 ? "hill48 " : "") + kCurves[j2->hardening.index()];
-  }
-  return "vumat " + std::filesystem::path(std::get<scene::VumatLaw>(law).library.path).filename().string();
+/// In the words of the scene.
+std::string describe(const scene::schema::Law& law) {
+  if (law.has_woven()) return "woven " + scene::schema::WovenLaw::Variant_Name(law.woven().variant());
+  if (law.has_vumat()) return "vumat " + std::filesystem::path(law.vumat().library().path()).filename().string();
+  const auto& hardening = law.j2().hardening();
+  return std::string("j2 ") + (law.j2().has_hill48() ? "hill48 " : "") +
+         hardening.GetDescriptor()->FindFieldByNumber(hardening.law_case())->name();
 }
 
 std::string describe_blank(const scene::Blank& blank) {
@@ -188,13 +185,14 @@ std::string describe_blank(const scene::Blank& blank) {
 
 void add_layers(const scene::Scene& scene, const std::vector<Size>& sizes, const Measured& measured,
                 datacheck::Datacheck& check) {
+  const scene::schema::Scene words = scene::to_message(scene);
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const scene::Layer& layer = scene.layers[i];
     const double gram = 1e6 * sizes[i].area * layer.thickness * layer.density;
     datacheck::Layer& entry = *check.add_layers();
     entry.set_name(layer.name);
-    entry.set_kind(layer.kind() == scene::Kind::Fabric ? "fabric" : "metal");
-    entry.set_law(describe(layer.law));
+    entry.set_kind(solve::to_word(layer.kind()));
+    entry.set_law(describe(words.layers(static_cast<int>(i)).law()));
     set(entry.mutable_orientation(), layer.orientation_deg, "deg");
     set(entry.mutable_thickness(), layer.thickness, "mm");
     set(entry.mutable_nodes(), sizes[i].nodes, "-");

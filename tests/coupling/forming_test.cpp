@@ -1,4 +1,5 @@
 /// The coarse scenes as they ship, at full stroke, from end to end.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,6 +42,10 @@ void expect_a_good_part(const std::string& file) {
   EXPECT_GT(end.punch_force, 0);
   EXPECT_LT(end.kinetic, 0.01 * end.external);
   EXPECT_EQ(run.sink->end.frames_complete, scene.record.frames + 1);
+  const bool has_metal = scene.layers[0].kind() == scene::Kind::Metal;
+  EXPECT_THAT(run.outcome.summary, testing::HasSubstr(has_metal ? "\n  thinning     sheet_upper by up to "
+                                                                : "\n  thinning     not judged: "));
+  EXPECT_THAT(run.outcome.summary, testing::HasSubstr("\n  inertia      fine: "));
 
   for (const scene::Layer& layer : scene.layers) {
     const observe::LayerFrame& last = run.sink->last_of_layer(layer.name);
